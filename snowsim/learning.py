@@ -15,28 +15,28 @@ from snowsim.training import load_weights
 WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10
-ONE_IN = 10  # scenes of which one is held out for the calibration
+ONE_IN = 10  # one scene in this many is held out for the calibration
 
 
 def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m):
-    """Train the shipped network on scenes and write it to `path`, ONNX, and its card beside it.
+    """Train a tracker on scenes; write it to `path` as ONNX, and its card beside it.
 
     Parameters
     ----------
     path : path_like
         Ends in ``.onnx``.
     scenes : sequence of Scene
-        With images. Every tenth, and at least one, is held out to calibrate the tracker on; its
-        layers without annotation count as background.
+        Scenes with images. Every tenth, and at least one, is held out to calibrate the tracker;
+        in these, layers without annotation count as background.
     start : str, optional
         Tracker whose weights the training starts from: the name of one that comes with the package,
-        or a file that this function wrote. By default weights are drawn.
+        or a file that this function wrote. By default weights start at random.
     n_steps : int
-        Number of gradients, each of four crops.
+        Number of training steps, each with the gradient of four crops.
     seed : int
     bin_s : float or None
-        Range bin of the scenes [s], for the card. If None, that in the notes of the scenes, or
-        `BIN_S` where these have none.
+        Range bin of the scenes [s], for the card. If None, the one in the notes of the
+        scenes, or `BIN_S` where these have none.
     line_spacing_m : float
         Distance between range lines of the scenes [m], for the card.
 
@@ -86,7 +86,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
 
 
 def _bin_size_s(scenes, bin_s):
-    """Range bin [s] as given or in notes of scenes, else `BIN_S`; ValueError if two differ."""
+    """Range bin [s]: as given, else in notes of scenes, else `BIN_S`; ValueError if two differ."""
     for place in range(len(scenes)):
         scene = scenes[place]
         own_s = scene.notes.get("bin_size_s")
@@ -113,7 +113,7 @@ def network_of_tracker(name):
 
 
 class Chosen:
-    """Scenes chosen by pairs of a set and a place in it, which are read when they are drawn."""
+    """A sequence of scenes, from pairs (set, place in it); a scene is read when it is asked for."""
 
     def __init__(self, places):
         self._places = places

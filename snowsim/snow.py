@@ -16,24 +16,24 @@ from snowsim.reference.firn import (
 
 SURFACE = "surface"
 DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
-DEEPEST_M = 500.0  # of snow of one density
-DEEPEST_WATER_M = 200.0  # of Herron & Langway's firn
-FIRST_GUESS_M = 0.3  # of the mean accumulation [m w.e. / yr] that its density depends on
-N_ROUNDS = 3  # of typical mass, ages and mean accumulation, each by the others
-TYPICAL_LINES = 300  # to either side, whose median mass is typical
-# Masses of years scatter by this share of the typical one: from year to year (.17 to .28 in cores),
-# and by errors of picks and of what is typical.
+DEEPEST_M = 500.0  # depth at which snow of one density ends
+DEEPEST_WATER_M = 200.0  # mass above the depth at which Herron & Langway's firn ends
+FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
+N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
+TYPICAL_LINES = 300  # range lines to either side, whose median mass of a year is the typical one
+# Standard deviation of a year's mass over the typical one: years differ (by .17 to .28 in cores),
+# and picks and the typical mass have errors.
 SPREAD = 0.3
-MISSED = 0.7  # odds of every further year between two picks
-# Odds that a pick is no horizon, as a share of the probability that no layer lies there.
+MISSED = 0.7  # factor of the odds for each year between two picks
+# Odds that a pick is no horizon, over the probability that no layer lies there.
 NO_HORIZON = 0.4
-USUAL_CONFIDENCE = 0.75
-LEAST_DOUBT = 0.05
-MOST_YEARS = 12  # between two picks
-IMPOSSIBLE = -30.0  # log-likelihood
-N_TIMES = 500  # of the table of depths
-NINE_OF_TEN = 1.645  # standard deviations
-LEAST_SURE = 0.8  # of a count that has no flag
+USUAL_CONFIDENCE = 0.75  # of picks that come without one
+LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
+MOST_YEARS = 12  # largest number of years between two picks
+IMPOSSIBLE = -30.0  # log-likelihood of a negative number of years
+N_TIMES = 500  # travel times at which depth is tabulated
+NINE_OF_TEN = 1.645  # standard deviations to either side that hold nine of ten
+LEAST_SURE = 0.8  # smallest confidence in a count of years without a flag
 COUNT_UNCERTAIN = 1
 AGE_UNCERTAIN = 2
 COLUMNS = (
@@ -62,52 +62,60 @@ def accumulation(
     Parameters
     ----------
     layers : xarray.Dataset
-        As `snowsim track` writes them, or `snowsim.io.open_segment` joins them: `twtt` (layer,
-        slow_time) [s] from the surface down, names that follow the snow; where there are,
-        `twtt_low`, `twtt_high` and `confidence`.
+        Layers as `snowsim track` writes them, or as `snowsim.io.open_segment` joins them. `twtt`
+        (layer, slow_time) [s] runs from the surface down, and a name stays with the same horizon
+        along the track. `twtt_low`, `twtt_high` and `confidence` are used where present.
     density : float or snowsim.io.profiles.Profile
-        Of the snow [kg m-3], 50 to 917; or a profile of it, which ends somewhere.
+        Density of the snow [kg m-3], 50 to 917; or a profile of density, below whose end no pick is
+        used.
     year : int or mapping of str to int
-        Of the uppermost horizon, or of layers by their name: ``{"snow_3": 2008}``. Snow of a year
-        lies below the horizon of that year.
+        Year of the uppermost horizon, or years of layers by name: ``{"snow_3": 2008}``. The snow of
+        a year lies below the horizon of that year.
     temperature_k : float, optional
-        Annual mean: density then is that of the surface, below 550, and grows with depth as Herron
-        & Langway (1980) have it, by the mean accumulation found here.
+        Annual mean temperature of the firn. If given, `density` is that at the surface, below 550,
+        and density grows with depth by Herron & Langway (1980), under the mean accumulation found
+        here.
     density_error : float
         Relative standard deviation of the density.
     least_confidence : float
-        Picks that are less sure are not used.
+        Picks of lower confidence are not used.
 
     Returns
     -------
     xarray.Dataset
-        On (year, slow_time), NaN where a year is not bounded by picks: `depth_m` of its horizon,
-        `thickness_m`, `accumulation_m_we` [m w.e. / yr], `low` and `high`, between which nine of
-        ten lie; `n_years` that the two picks about it are apart, over which it is the mean, and
-        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure, 2 where one
-        above it is, so that its age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above
-        the uppermost horizon, of no whole year; `depth_at` (below_s) the depth [m] at travel times
-        below the surface. `attrs`: `uppermost`, the name of that horizon, and `n_below_profile`, of
-        picks below the end of a profile.
+        Variables on (year, slow_time) are NaN where picks do not bound a year:
+
+        - `depth_m` of the year's horizon and `thickness_m` of its snow;
+        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold nine of ten;
+        - `n_years`, the number of years between the picks that bound it: thickness and accumulation
+          are means over these years; and `confidence`, the probability of this number;
+        - `flag`: 1 where that probability is below 80 %; 2 where this is so for a count higher up,
+          which makes the age uncertain; 3 where both hold.
+
+        `open_m_we` (slow_time) is the mass above the uppermost horizon, not a whole year.
+        `depth_at` (below_s) is the depth [m] at travel times below the surface. `attrs` hold
+        `uppermost`, the name of the uppermost horizon, and `n_below_profile`, the number of picks
+        below the end of a profile.
 
     Raises
     ------
     ValueError
-        In one line: no surface, layers that cross, densities out of range, no pick within the
-        profile or no two picks on a line, a name that is no layer's.
+        If the surface is missing, layers cross, a density is out of range, no range line has two
+        horizons within the profile, or a name is no layer's.
 
     Notes
     -----
-    ``t = (2 / c) (z + 0.845 w)`` is the travel time to depth z under the mass w [m w.e.], Kovacs,
-    Gow & Morey (1995). Mass between two picks over the typical annual mass, the median along track
-    and in depth, tells how many years lie between: a sum of n years has the spread s n^(1/2), s
-    that of single ones. A layer has one age all along: range lines on which different layers lie
-    above it vote, by the logarithm of the probability. A pick that is more probably none between
-    two horizons is left out. All is repeated with the typical mass that follows.
+    The travel time to depth z below the mass w [m w.e.] is ``t = (2 / c) (z + 0.845 w)`` (Kovacs,
+    Gow & Morey 1995). The number of years between two picks follows from their mass over the
+    typical annual mass, a median along track and in depth: the mass of n years scatters by s
+    n^(1/2), where s is the scatter of single years. A layer has one age along the whole track.
+    Range lines on which different layers lie above it vote for this age, by their log-likelihood. A
+    pick that is more probably no horizon is left out. Then all is repeated with the typical mass
+    that these ages give.
 
-    Errors of both picks, half of ``twtt_high - twtt_low``, and of density, whose part is ``e / n``
-    with n the refractive index, add in squares. Picks lie 1.2 to 1.6 range bins below their
-    interface, at both horizons alike: in a year's mass that cancels, in `open_m_we` it does not.
+    The errors of both picks, each half of ``twtt_high - twtt_low``, and of density add in squares;
+    a relative error e of density counts as ``e / n`` with the refractive index n. Picks lie 1.2 to
+    1.6 range bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)
     check_values("density_error", density_error, 0, 1)
@@ -124,7 +132,7 @@ def accumulation(
 
 
 def table(accumulated):
-    """Rows of `accumulation` for a GIS: one a range line and year, without those that are NaN."""
+    """Table of `accumulation` for a GIS: a row for each range line and year that is not NaN."""
     along = {"slow_time": "time", "Latitude": "lat", "Longitude": "lon"}
     rows = accumulated.drop_dims("below_s").drop_vars("open_m_we").to_dataframe().reset_index()
     rows = rows.rename(columns=along).dropna(subset="accumulation_m_we")
@@ -135,9 +143,10 @@ def table(accumulated):
 
 @dataclass(frozen=True, eq=False)
 class _Picks:
-    """Picks that are used, (layer, range_line), and names of their layers.
+    """Picks that are used, and the names of their layers.
 
-    Travel time below the surface and its error [s], and the probability that no layer is there.
+    On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
+    `doubt` the probability that no layer lies there.
     """
 
     names: list
@@ -160,7 +169,7 @@ def _picks(layers, least_confidence):
     error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
     below = (twtt - twtt[0]).where(doubt <= 1 - least_confidence)
     picked = below.notnull().any("slow_time").values
-    # One stays also without a pick.
+    # Without any pick one layer stays, so that arrays are not empty.
     kept = 1 + np.flatnonzero(picked[1:] if picked[1:].any() else [True])
     values = (each.values[kept] for each in (below, error, doubt.clip(LEAST_DOUBT)))
     return _Picks([names[n] for n in kept], *values)
@@ -168,14 +177,14 @@ def _picks(layers, least_confidence):
 
 @dataclass(frozen=True, eq=False)
 class _Column:
-    """Depth [m] and mass above it [m w.e.] down to where density is known, (sample,)."""
+    """Depth [m] and the mass above it [m w.e.], (sample,), down to where density is known."""
 
     depth_m: np.ndarray
     water_m: np.ndarray
 
     @property
     def twtt_s(self):
-        """Travel time to every depth and back [s]."""
+        """Two-way travel time to every depth [s]."""
         return travel_time_s(self.depth_m, self.water_m)
 
     def at(self, values, below_s):
@@ -184,11 +193,11 @@ class _Column:
 
 
 def _column(density, temperature_k, mean_m):
-    """`_Column` of a density, of a profile, or of firn under a mean accumulation."""
+    """`_Column` of snow of one density, of a profile, or of firn under a mean accumulation."""
     if hasattr(density, "density_kg_m3"):
         found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
         check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
-        # The last sample goes as far below its middle as above it.
+        # The last sample extends as far below its middle as above it.
         depth_m = np.append(found.depth_m, 2 * density.depth_m[-1] - found.depth_m[-1])
         slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
         return _Column(depth_m, np.append(0, np.cumsum(slab_m)))
@@ -198,7 +207,7 @@ def _column(density, temperature_k, mean_m):
         return _Column(depth_m, depth_m * density / WATER_DENSITY_KG_M3)
     check_values("temperature_k", temperature_k, 200, 273.15, number=True)
     check_values("density of the surface [kg m-3]", density, 50, 549)
-    # Square roots: finest where it is densest.
+    # Samples are finest near the surface, where density changes fastest.
     water_m = np.linspace(0, np.sqrt(DEEPEST_WATER_M), 2000) ** 2
     return _Column(depth_herron_langway80(water_m, mean_m, temperature_k, density), water_m)
 
@@ -207,8 +216,10 @@ def _column(density, temperature_k, mean_m):
 class _Dated:
     """Ages of horizons, and the spans between each and the next above it on the same range line.
 
-    `newest` is the year of age 0; `above` (layer, range_line) the layer that bounds a span, -1
-    where there is none; `span_m` its mass [m w.e.], `n_years`, and how `sure` that count is.
+    `newest` is the year of the horizon of age 0; `age` (layer,) is how many years a layer is older.
+    On (layer, range_line): `above` is the layer that bounds a span from above, -1 where there is
+    none, `span_m` its mass [m w.e.], `n_years` its number of years and `sure` the probability of
+    this number.
     """
 
     newest: int
@@ -220,7 +231,7 @@ class _Dated:
 
 
 def _dated(water_m, picks, year):
-    """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
+    """`_Dated` from the mass above picks (layer, range_line) [m w.e.]."""
     known = year if hasattr(year, "items") else {picks.names[0]: year}
     given = {layer: known[name] for layer, name in enumerate(picks.names) if name in known}
     if not len(given) == len(known) > 0 or (np.diff(list(given.values())) >= 0).any():
@@ -243,15 +254,15 @@ def _dated(water_m, picks, year):
 
 
 def _typical(year_m):
-    """Median mass of a year (layer, range_line) in depth and along track, (range_line,)."""
+    """Typical mass of a year (range_line,): the median of `year_m` in depth, then along track."""
     around = pd.DataFrame(year_m).median().rolling(2 * TYPICAL_LINES + 1, 1, center=True)
     return around.median().interpolate(limit_direction="both").to_numpy()
 
 
 def _log_likelihood(ratio, n_years, doubt):
-    """Of so many years between two picks, by their mass over the typical one of a year.
+    """Log-likelihood of `n_years` between two picks, from their mass over that of a typical year.
 
-    Of none, one of the picks is no horizon: so doubtful is it.
+    No years means that one of the picks is no horizon, which is likelier the larger `doubt`.
     """
     variance = np.maximum(n_years, 1) * SPREAD**2
     off = np.where(n_years == 0, np.maximum(ratio - 1, 0), ratio - n_years)
@@ -260,7 +271,7 @@ def _log_likelihood(ratio, n_years, doubt):
 
 
 def _probability(ratio, n_years, doubt):
-    """Of so many years between two picks, among up to two fewer and more."""
+    """Probability of `n_years` between two picks, among up to two fewer and two more."""
     likelihood = [np.exp(_log_likelihood(ratio, n_years + more, doubt)) for more in range(-2, 3)]
     return likelihood[2] / sum(likelihood)
 
@@ -268,13 +279,13 @@ def _probability(ratio, n_years, doubt):
 def _vote(water_m, doubt, typical_m, forced):
     """Age of layers [years], and the layer above each pick, -1 for none.
 
-    From the surface down, by mass since the last horizon on every range line. A layer that lies
-    below none is held against the uppermost one, which has the age 0.
+    Layers are dated from the surface down, by the mass since the last horizon on each range line. A
+    layer with no horizon above it is compared with the uppermost layer, which has the age 0.
     """
     years = water_m / typical_m
     age = np.zeros(len(years))
     above = np.full(years.shape, -1)
-    # Of every range line: the last horizon, its age, and the mass above it in typical years.
+    # On each range line: the last horizon, its age, and the mass above it in typical years.
     last = np.full(typical_m.size, -1)
     last_age = np.full(typical_m.size, -1.0)
     last_years = np.full(typical_m.size, np.nan)
@@ -296,7 +307,7 @@ def _vote(water_m, doubt, typical_m, forced):
 
 
 def _elected(ratio, upper_age, doubt):
-    """Most probable age below others, by mass over the typical one, (range_line,)."""
+    """Most probable age of a layer, from the ages above it and `ratio`, years of mass between."""
     ages = upper_age.min() + np.arange(np.ptp(upper_age) + MOST_YEARS + 1)
     likelihood = np.zeros(ages.size)
     for own in np.unique(upper_age):
@@ -307,7 +318,7 @@ def _elected(ratio, upper_age, doubt):
 
 
 def _by_year(layers, picks, column, dated, density_error):
-    """Dataset of `accumulation`: every span in as many years as it has."""
+    """Dataset of `accumulation`: each span is divided into equal years."""
     depth_m = column.at(column.depth_m, picks.below_s)
     layer, line = np.nonzero(dated.above >= 0)
     upper = dated.above[layer, line]
@@ -340,7 +351,7 @@ def _by_year(layers, picks, column, dated, density_error):
 
 
 def _dataset(layers, rows, dated, column, below_s):
-    """Rows by year and line on (year, slow_time), with the positions and times of their layers."""
+    """Rows as a dataset on (year, slow_time), with positions and times of the layers."""
     years = np.arange(dated.newest, rows["year"].min() - 1, -1)
     found = rows.set_index(["year", "line"]).to_xarray()
     found = found.reindex(year=years, line=np.arange(below_s.shape[1]))

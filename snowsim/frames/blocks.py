@@ -15,20 +15,23 @@ from snowsim.echogram import (
 )
 
 OVERLAP_LINES = 6
-FLAGGED = "range lines flagged"  # how the reason of a block with such lines ends
-# Of latitude, on the sphere of `echogram.along_track_m`.
+FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
+# Metres in a degree of latitude, on the sphere that `echogram.along_track_m` uses.
 METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180
 
 
 def cut_blocks(echogram, layers, *, name):
-    """Scenes of a level frame, as in the published benchmark, and why other blocks are none.
+    """Cut a level frame into scenes as the published benchmark does.
 
-    Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50,
-    and ends 100 rows below its last layer but holds 300 rows at least; each is scaled to 8 bits by
-    itself and called ``{name}_{block:03d}``. Lines left over at the end are not used, nor are
-    layers without a pick in a block. No scenes are blocks with a `flagged` line
-    (`leave_out_flagged`), without surface or with missing pixels: an image has no room for gaps.
-    `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`.
+    Blocks have 256 lines and overlap by 6; lines left over at the end are not used. A scene is a
+    cropped block: the surface, layer 0, lies in its row 50, it ends 100 rows below its last layer
+    and has at least 300 rows. Each scene is scaled to 8 bits by itself and called
+    ``{name}_{block:03d}``; its `notes` hold `first_line`, `first_twtt_s` and `bin_size_s`. Layers
+    without a pick in a block are left out of its scene.
+
+    An image has no room for gaps. A block is therefore skipped if it has a line `flagged` by
+    `leave_out_flagged`, no pick of the surface, missing pixels, or rows outside the frame. Returns
+    the list of scenes, and a dict of the reason for each skipped block by its name.
     """
     layer_bins = layer_bins_of(layers, echogram)
     power = echogram["Data"].transpose("twtt", "slow_time").values
@@ -78,7 +81,7 @@ def _why_no_scene(power, bins, flagged):
 
 
 def _rows(bins):
-    """First row of a block's scene and the one after its last: the surface lies in row 50."""
+    """First row of a block's scene, 50 rows above the surface, and the row after its last."""
     top = int(np.floor(np.nanmedian(bins[0]) + 0.5)) - SURFACE_ROW
     return top, top + scene_height(_picked(bins) - top)
 
@@ -89,12 +92,12 @@ def _picked(bins):
 
 
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
-    """Echogram and layers of a scene with an image, for statistics of a benchmark of images.
+    """Echogram and layers made from a scene's image, to fit statistics where only images exist.
 
-    `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range
-    lines [m]: images tell neither. Scenes that do not tell their decibels need `contrast_db`, from
-    the noise floor to the maximum (8-bit 255). Positions and times are placeholders. Power comes
-    back in steps of a 255th of the contrast.
+    Images tell neither `bin_s`, the bin size in two-way travel time [s], nor `line_spacing_m`, the
+    distance between range lines [m]. `contrast_db` is the span from the noise floor to the maximum
+    (8-bit 255) [dB]; a scene that does not hold these two levels needs it. Power comes in steps of
+    1/255 of that span. Positions and times are placeholders.
     """
     levels_db = (scene.noise_floor_db, scene.maximum_db)
     if not np.isfinite(levels_db).all():
@@ -111,8 +114,8 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
     """Power and layers as Open Polar Radar datasets, due north, one line a millisecond.
 
     `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent.
-    Times and positions are placeholders: frames sort by `minute`, their lines have the distance
-    that `latitude` [deg] gives them.
+    Times and positions are placeholders: `minute` sets the order of frames, `latitude` [deg] the
+    distance between range lines.
     """
     n_lines = power.shape[1]
     milliseconds = 60_000 * minute + np.arange(n_lines)

@@ -1,4 +1,4 @@
-"""A flight as a table of frames: which echogram goes with which layers, and what for."""
+"""A flight as a table of frames: each row names an echogram, its layers and its role."""
 
 import io
 import os
@@ -17,20 +17,21 @@ from snowsim.io.layers import surface_among
 from snowsim.progress import shown
 
 COLUMNS = ("frame", "echogram", "layers", "role")
-# Frames to track need no layers, and may have any other role, too.
+# A frame to track needs no layers; its echogram may have another role in another row.
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
-FAR_BINS = 15  # from the echogram's surface, where layer 0 may be another layer
+FAR_BINS = 15  # further than this from the echogram's surface, layer 0 may be another layer
 
 
 def read_frames(path):
-    """The table of frames, checked as far as it goes without opening the files it names.
+    """Read the table of frames and check it, without opening the files it names.
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to
     the table's folder; made absolute), `role` ("statistics", "train", "validation", "test", or
-    "track", which needs no layers). Lines that begin with # are remarks. Rows that fail are
-    reported together, each in a line; an echogram held out may have no other role but "track".
+    "track", which needs no layers). Lines that begin with # are remarks. An echogram
+    held out ("test", "validation") may have no other role but "track". One ValueError lists all
+    rows that fail, one a line.
     """
     path = Path(path)
     with library_errors(path, "table: expected tab-separated text"):
@@ -52,15 +53,15 @@ def read_frames(path):
 
 
 def _troubles(table):
-    """Frames that fail, and the first reason of each."""
+    """Pairs of a frame that fails and the first reason for it."""
     real = table["echogram"].map(os.path.realpath)
-    # Frames to track are no use of the data.
+    # To track a frame is no use of its data.
     role = table["role"].mask(table["role"] == TRACK)
     n_roles = role.groupby(real).transform("nunique")
     is_held_out = role.isin(HELD_OUT).groupby(real).transform("any")
     twice = pd.DataFrame({"file": real, "role": role}).duplicated(keep=False)
     once = f"expected once for a role, and for {' or '.join(HELD_OUT)} alone, found"
-    # A Zarr store is a directory.
+    # A file or a directory: a Zarr store is a directory.
     absent = ~table[["echogram", "layers"]].map(os.path.exists)
     checks = [
         ("frame", "expected names that differ, found", table["frame"].duplicated(keep=False)),
@@ -80,16 +81,18 @@ def _troubles(table):
 
 
 def check_frames(table, *, bin_s=None, blocks=False, **options):
-    """Read every frame once, one at a time; one ValueError names all that fail.
+    """Read every frame but those to track, one at a time; one ValueError names all that fail.
 
     `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin
-    size most of them have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame
-    that gives none fails.
+    size that most of them have. With `blocks`, all frames but those of role "statistics" are
+    cut into scenes, too, and a frame that gives no scene fails.
 
-    Returned is the table, but for frames to track, with `n_range_lines`, `n_range_bins`,
-    `n_layers`, `bin_size_s`, how many scenes a frame was cut into (`n_scenes`), how many of its
-    blocks are none (`n_skipped`) and of these for a flagged line (`n_flagged_blocks`); how many
-    range lines are flagged (`n_flagged_lines`), and how many have which flag (`flags`).
+    Returns the table without frames to track, and with these columns:
+
+    - `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s` of the frame;
+    - `n_scenes` cut from it, `n_skipped` blocks that are no scenes, and `n_flagged_blocks`, those
+      of the skipped blocks that have a flagged line;
+    - `n_flagged_lines`, and `flags`: how many range lines have which flag.
     """
     table = table[table["role"] != TRACK]
     rows = []
@@ -117,7 +120,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
 
 
 def _summary(row, echogram, layers, *, blocks):
-    """What `check_frames` tells of a frame."""
+    """One frame's values for the columns that `check_frames` adds."""
     cuts_blocks = blocks and row.role != "statistics"
     scenes, skipped = scenes_of_frame(row, echogram, layers) if cuts_blocks else ([], {})
     n_flagged_lines, flags = frames.count_flagged(echogram)
@@ -136,7 +139,7 @@ def _summary(row, echogram, layers, *, blocks):
 
 
 def scenes_of_frame(row, echogram, layers):
-    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no scene."""
+    """Scenes of a frame, and why its other blocks were skipped; ValueError if no scene is left."""
     scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
@@ -156,17 +159,18 @@ def read_frame(
 ):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
-    `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram
-    is brought to `bin_s` [s], by default its own bin size, and levelled ("surface", "elevation",
-    "none": see `snowsim.frames.flatten`). With `layer_names`, from the surface down, layer i is the
-    same one in all frames, a row of NaN where a frame lacks it; by default all layers with picks
-    are taken. Range lines with one of the `flagged_by` of the supplement hold neither power nor
-    picks. `source` is the format the echogram must have ("nsidc", "cresis", "opr"); by default any.
+    `row` has the attributes `echogram` and `layers`, as rows of `table.itertuples()` have. The
+    echogram is resampled to range bins of `bin_s` [s], by default its own, and levelled by
+    `flattening` ("surface", "elevation", "none": see `snowsim.frames.flatten`). `layer_names` lists
+    layers from the surface down; layer i is then the same one in all frames, NaN in a frame without
+    it. By default all layers with picks are taken. `flagged_by` names flags of the supplement;
+    range lines with one of these lose their power and picks. `source` is the format that the
+    echogram must have ("nsidc", "cresis", "opr"); by default any.
 
-    Both come on the same range lines, the snow surface as layer 0, with `flagged (slow_time)` where
-    the echogram has flags. Refused are files that are not sound or whose layers do not cover the
-    echogram, leave its window, cross or have none named surface, frames whose range lines are all
-    flagged, and unknown flags.
+    Echogram and layers come on the same range lines, with the snow surface as layer 0, and with
+    `flagged (slow_time)` where the echogram has flags. ValueError if a file is damaged; if layers
+    do not cover the echogram, leave its window, cross or include no surface; if all range lines are
+    flagged; or if a flag is unknown.
     """
     for flag in flagged_by:
         check_choice("flagged_by", flag, sniff.SUPPLEMENT_FLAGS)
@@ -203,7 +207,7 @@ def _layers_from_surface(path, layer_names):
 
 
 def _warn_of_surface(path, layers, echogram):
-    """Say where layer 0 lies far from the echogram's own surface in the median."""
+    """Warn if the median distance of layer 0 from the echogram's own surface is large."""
     inside = echogram["Surface"].where(echogram["Surface"] >= echogram["twtt"][0])
     away = np.abs(layers["twtt"].isel(layer=0).values - inside) / bin_size_s(echogram)
     if away.median() > FAR_BINS:

@@ -1,8 +1,8 @@
-"""MAT v5 files by scipy; those that are not compressed in a process of its own.
+"""Read MAT v5 files with scipy; a child process reads those that are not compressed.
 
-On damaged files scipy 1.17 dies: of 1600 that were not compressed 13 ended in a segmentation fault;
-none of 1400 compressed ones did, which have checksums. The child costs .3 s a file, and its memory
-has an end.
+A damaged file can end the process: of 1600 damaged files without compression, 13 gave scipy 1.17 a
+segmentation fault. None of 1400 compressed files did, because they have checksums. The child takes
+0.3 s a file, and its memory is limited.
 """
 
 import math
@@ -20,13 +20,13 @@ from numpy.exceptions import ComplexWarning
 from snowsim.io.guard import MAXIMUM_BYTES, Refused
 
 HEADER_BYTES = 128
-COMPRESSED = 15  # type of an element, in one of the four bytes behind the header
-NUMBER_BYTES = 4  # of most that is large
-SECONDS = 120  # longer than any whole file takes
+COMPRESSED = 15  # type of a compressed element, in one of the four bytes behind the header
+NUMBER_BYTES = 4  # size of a number in most large variables
+SECONDS = 120  # limit of a child; no undamaged file takes as long
 
 
 def read_mat5(path, names):
-    """The named variables, as a dict; numbers are squeezed, a struct is a dict."""
+    """The named variables as a dict; arrays lose axes of length 1, structs become dicts."""
     with Path(path).open("rb") as file:
         if COMPRESSED in file.read(HEADER_BYTES + 4)[HEADER_BYTES:]:
             return load(path, names)
@@ -43,7 +43,7 @@ def read_mat5(path, names):
 
 
 def load(path, names):
-    """The same in this process."""
+    """The named variables as `read_mat5` gives them, read in this process."""
     for name, shape, _ in scipy.io.whosmat(path, appendmat=False):
         n_bytes = NUMBER_BYTES * math.prod(shape)
         if name in names and n_bytes > MAXIMUM_BYTES:
@@ -51,7 +51,7 @@ def load(path, names):
             raise Refused(msg)
     options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
     with warnings.catch_warnings():
-        # With the classes of MATLAB scipy drops imaginary parts: refused rather.
+        # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
         warnings.simplefilter("error", ComplexWarning)
         values = scipy.io.loadmat(path, variable_names=names, **options)
     return {name: values[name] for name in names}

@@ -1,4 +1,4 @@
-"""Layers dressed with the physics of a flight: the record of echoes that PHY renders."""
+"""Echoes for layers that come without powers, from the mean values of a flight."""
 
 import dataclasses
 
@@ -10,11 +10,12 @@ from snowsim.limits import check_statistics, check_values
 
 
 def dress(layer_bins, statistics):
-    """Echoes of layers that come without powers, by the mean powers of a flight.
+    """Give layers without powers the echoes that such layers have on average in a flight.
 
-    Below the surface lies the flight's mean power of unpicked snow, one row for each e-folding
-    depth. Layers deeper than the flight shows look like its deepest. Neglected: how powers vary
-    from scene to scene and along track, gain from line to line.
+    Echoes have one row for each layer, and rows of background just below the surface: the flight's
+    mean power of unpicked snow, one row for each e-folding depth. Layers deeper than those of the
+    flight take the values of its deepest. Powers do not vary from scene to scene or along track,
+    nor does gain vary from line to line.
 
     Parameters
     ----------
@@ -46,12 +47,12 @@ def dress(layer_bins, statistics):
         noise_power=noise_power,
         **radar_of(statistics),
     )
-    # Statistics of images hold no background.
+    # Statistics of 8-bit images hold no background.
     if "background_power" not in statistics:
         return layers
     power, fall = (values_of(statistics, name, ("fall",)) for name in ("background_power", "fall"))
     held = power > 0
-    # Background must not cross the first layer, wherever it is picked.
+    # Background rows lie within a bin below the surface, and above layer 1 where it is picked.
     gap = np.fmin(1.0, layer_bins[1] - layer_bins[0]) if n_layers > 1 else 1.0
     place = (1 + np.arange(held.sum())[:, None]) / (held.sum() + 1)
     background = {
@@ -69,16 +70,16 @@ def dress(layer_bins, statistics):
 
 
 def background_below(echoes, depth_bins):
-    """Mean power of the background so far below the surface, (row,)."""
+    """Mean power of the background at depths below the surface [bins], (depth,)."""
     held = echoes.kind == Kind.BACKGROUND
     fallen = np.exp(-np.outer(depth_bins, echoes.decay_rate[held]))
     return fallen @ echoes.power[held].mean(axis=1)
 
 
 def redress(scene, statistics):
-    """Echoes of a scene by other statistics: waveforms and radar are theirs.
+    """Echoes of a scene with the waveforms and the radar of other statistics.
 
-    Rows, powers and noise that the scene was drawn with stay; one without is dressed.
+    Positions, powers and noise stay as the scene was drawn; a scene without echoes is dressed.
     """
     drawn = scene.echoes
     if drawn is None:
@@ -86,7 +87,7 @@ def redress(scene, statistics):
     is_layer = drawn.kind != Kind.BACKGROUND
     deepest = min(len(scene.layer_bins), statistics.sizes["layer"]) - 1
     level = np.minimum(np.cumsum(is_layer) - 1, deepest)
-    # Background has the surface's width.
+    # Background takes the variance of the surface.
     level[~is_layer] = 0
     n_levels = int(level.max()) + 1
     decay = of_uppermost(statistics, "decay_rate", n_levels)[level] * drawn.decay_factor

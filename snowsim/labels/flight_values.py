@@ -1,4 +1,4 @@
-"""What label sets take from flight statistics, checked."""
+"""Values that label sets read from flight statistics, each checked as it is read."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from snowsim.limits import check_values
 
 
 def values_of(statistics, name, dims):
-    """A variable or coordinate of the statistics as float array on `dims`, finite."""
+    """A variable or coordinate of the statistics on `dims`, float; ValueError if not finite."""
     values = np.empty(0)
     if name in statistics:
         values = statistics[name].transpose(*dims).values.astype(float)
@@ -29,15 +29,15 @@ def values_by_layer(statistics, name):
 
 
 def of_uppermost(statistics, name, n_layers):
-    """Values of the uppermost layers, (layer,); deeper than the flight shows, the last one's."""
+    """Values of the uppermost layers, (layer,); layers below the flight's last take its value."""
     values = values_by_layer(statistics, name)
     return values[np.minimum(np.arange(n_layers), values.size - 1)]
 
 
 def radar_of(statistics):
-    """Looks and correlation of speckle, as arguments of `Echoes`.
+    """Number of looks and correlation of speckle, as arguments of `Echoes`.
 
-    Statistics of images, which show no air, hold no correlation.
+    The correlation is measured in air above the surface; statistics of images hold none.
     """
     radar = {"n_looks": float(statistics.attrs["n_looks"])}
     if "speckle_correlation" in statistics:

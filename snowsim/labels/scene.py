@@ -1,4 +1,4 @@
-"""Layers of a scene as a flight has them: number, mean thicknesses, relief, surface and echoes."""
+"""Draw a scene from flight statistics: number of layers, thicknesses, relief, surface, echoes."""
 
 from dataclasses import dataclass
 
@@ -36,24 +36,25 @@ class LabelModel:
     """Flight statistics made ready to draw many scenes of one width; see `prepare`."""
 
     n_range_lines: int
-    spacing_m: float  # of range lines
+    spacing_m: float  # distance between range lines
     zone_edge_bins: np.ndarray  # (edge,)
-    first_quantile_bins: np.ndarray  # of slab 0, evenly from probability 0 to 1
-    blocks_by_layers: np.ndarray  # by number of layers from 0, (zone, n_layers)
-    share_without_layers: float  # of blocks, which are in no zone
-    relative_mean: np.ndarray  # of thickness relative to slab 0, a Gaussian, (zone, slab)
-    relative_deviation: np.ndarray  # its s.d., (zone, slab)
-    relative_correlation: tuple  # of it, by separation in slabs
+    first_quantile_bins: np.ndarray  # thickness of slab 0, at even probabilities from 0 to 1
+    blocks_by_layers: np.ndarray  # number of blocks with 0, 1, 2 ... layers, (zone, n_layers)
+    share_without_layers: float  # share of blocks without layers, which belong to no zone
+    relative_mean: np.ndarray  # mean of thickness over that of slab 0, (zone, slab)
+    relative_deviation: np.ndarray  # standard deviation of that ratio, (zone, slab)
+    relative_correlation: tuple  # correlation of that ratio, by separation in slabs
     relief: tuple  # `Relief` of each zone
-    surface: tuple  # see `SURFACE`
+    surface: tuple  # values of the statistics named in `SURFACE`
     powers: PowerModel
     nonstationary: Nonstationary
 
     def draw_n_layers(self, zone, *, rng):
-        """Number of layers below the surface, as in the blocks of the zone; zero as in the flight.
+        """Draw the number of layers below the surface as in the blocks of the zone.
 
-        Numbers between those seen are interpolated in the logarithm between mid-quantiles (Parzen
-        2004, Statist. Sci. 19, 652); a zone without layers uses all zones.
+        Zero is as frequent as in the whole flight. Numbers between those observed are interpolated
+        in the logarithm between mid-quantiles (Parzen 2004, Statist. Sci. 19, 652). A zone without
+        layers uses the blocks of all zones.
         """
         if rng.uniform() < self.share_without_layers:
             return 0
@@ -66,7 +67,7 @@ class LabelModel:
         return int(np.rint(np.exp(log_number)))
 
     def draw_means(self, zone, first_bins, n_slabs, *, rng):
-        """Mean thickness of slabs [bins], (slab,); deeper than the flight shows, as its last."""
+        """Mean thickness of slabs [bins], (slab,); those below the flight's last follow its law."""
         slab = np.minimum(np.arange(n_slabs), self.relative_mean.shape[1] - 1)
         mixing = correlation_factor(self.relative_correlation, n_slabs)
         anomaly = mixing @ rng.standard_normal(n_slabs)
@@ -75,7 +76,7 @@ class LabelModel:
         return first_bins * relative
 
     def draw_surface(self, *, rng):
-        """Row of the surface, (range_line,): a slow error, and what whole-bin levelling leaves."""
+        """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves."""
         error_bins, length_m, movement_bins = self.surface
         lag = lags_on_circle(self.n_range_lines, length_m / self.spacing_m)
         falls = np.exp(-((lag * self.spacing_m / length_m) ** 2))
@@ -96,7 +97,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
         Of `snowsim.statistics.fit`.
     n_range_lines : int
     nonstationary : Nonstationary, optional
-        Trends and folds; by default none.
+        Trends and folds of the layers; by default none.
 
     Returns
     -------
@@ -158,12 +159,13 @@ def draw(statistics, n_range_lines, *, rng):
 
     Notes
     -----
-    After Yari et al. (2021), section V-B: mean thickness of slab 0, which fixes the zone; mean of
-    deeper slabs = slab 0 x a factor from the zone's Gaussian; thickness = mean + a Gaussian
-    process. Here slab 0 and the number of layers are as in the flight's blocks; the process is that
-    of the zone's relief, of layers and of slabs, see `draw_undulations`; and the surface moves. By
-    the paper throughout: `snowsim.labels.draw_paper_scene`. Slabs deeper than the flight shows take
-    means of its last. Thickness below 1 bin, and a mean below it, is mirrored there.
+    The steps are those of Yari et al. (2021), section V-B. The mean thickness of slab 0 is drawn
+    first and fixes the zone; the mean of a deeper slab is that of slab 0 times a factor from the
+    zone's Gaussian; thickness is this mean plus a Gaussian process. Three things differ from the
+    paper, which `snowsim.labels.draw_paper_scene` follows throughout. Slab 0 and the number of
+    layers are distributed as in the flight's blocks; the process follows the zone's relief, see
+    `draw_undulations`; and the surface moves. Slabs below the flight's last follow its law. A
+    thickness or a mean below 1 bin is mirrored at 1 bin.
 
     Examples
     --------
@@ -179,14 +181,14 @@ def draw(statistics, n_range_lines, *, rng):
 
 
 def draw_scene(statistics, n_range_lines, *, name, rng):
-    """One scene with all layers labelled, its zone, its echoes and what the rules did to it.
+    """One scene with all layers labelled, its zone, its echoes and notes.
 
     Returns
     -------
     snowsim.echogram.Scene
-        `notes` holds `n_layers` below the surface, `n_samples` of thickness, `n_touched` and
-        `n_means_touched` by the rule for thin slabs, `first_thickness_bins`, and what is noted of
-        trends and folds, see `Nonstationary`.
+        `notes` holds `n_layers` below the surface; `n_samples`, values of thickness; `n_touched`
+        and `n_means_touched`, values and means that were mirrored at 1 bin; `first_thickness_bins`,
+        the mean of slab 0; and parameters of trends and folds, see `Nonstationary`.
     """
     model = statistics
     if not isinstance(statistics, LabelModel):
@@ -218,7 +220,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
 
 
 def notes_of(drawn, mean, first_bins):
-    """What is counted of thickness as drawn, (slab, range_line), and of its means."""
+    """Counts for the notes of a scene, from thickness (slab, range_line) and means as drawn."""
     return {
         "n_layers": len(drawn),
         "n_samples": drawn.size,

@@ -55,11 +55,12 @@ def similarity(image, reference):
 def ssim_map(image, reference):
     """Structural similarity (SSIM) around every pixel of two uint8 images, float64, at most 1.
 
-    It is luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``: ``(2 m n + C1)(2
-    cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))`` with ``C = (K 255)^2``, K1 0.01, K2 0.03: Wang,
-    Bovik, Sheikh & Simoncelli (2004), IEEE TIP 13. Means m, n, variances v, w and the covariance
-    are those of the population under a Gaussian window of sigma 1.5 pixels, cut at 5. Beyond the
-    border images are mirrored, the edge pixel repeated.
+    SSIM is luminance x contrast x structure (Wang, Bovik, Sheikh & Simoncelli 2004, IEEE TIP 13);
+    with exponents of 1 and ``C3 = C2 / 2`` it is ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v +
+    w + C2))``. The constants are ``C = (K 255)^2``, K1 0.01 and K2 0.03. The means m and n, the
+    variances v and w and the covariance of the two images are weighted by a Gaussian window of
+    sigma 1.5 pixels, which ends at 5 pixels; they lack the factor n / (n - 1). Beyond the border
+    images are mirrored, and the edge pixel is repeated.
     """
     _, by_pixel = structural_similarity(
         image,

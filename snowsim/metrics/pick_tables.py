@@ -1,6 +1,6 @@
-"""Picks of many scenes in sums that can be pooled.
+"""Errors of picks as sums by layer, which can be pooled over many scenes.
 
-By training set, by accumulation zone, against depth.
+They are pooled by training set, by accumulation zone or by depth.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import pandas as pd
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.metrics.picks import match_picks
 
-ZONES = ("none", "shallow", "medium", "high", "very high")  # of zone -1, 0, 1, 2, 3
+ZONES = ("none", "shallow", "medium", "high", "very high")  # names of zones -1, 0, 1, 2, 3
 SUMS = (
     "n_true",
     "n_found",
@@ -27,15 +27,21 @@ SUMS = (
 
 
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
-    """What became of every true layer of a scene, and every false layer, as sums over range lines.
+    """Table of a scene: one row for each true and each false layer, summed over range lines.
 
-    `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present.
-    Columns `layer` (-1: a picked layer of which less than half belongs to any true one),
-    `depth_bins` (mean below the surface) and `SUMS`: true pixels, those with a pick, sum of errors
-    (pick less truth) and of their absolute values [range bins], errors of at most `within_bins`;
-    the same of the thickness of the slab above, where both of its bounds have a pick; picks of
-    false layers; 1 or 0 for a layer, one missed (a pick in less than half of its range lines), a
-    false one.
+    `picks` and `layer_bins` are those of `match_picks`; layer 0, the surface, must be present. A
+    picked layer is false if less than half of its picks belong to true layers. Columns are:
+
+    - `layer`: number of the true layer, -1 for a false one;
+    - `depth_bins`: its mean depth below the surface [range bins];
+    - `n_true`, `n_found`: pixels of the true layer, and those of them with a pick;
+    - `error`, `absolute_error`: sums of pick less truth and of its absolute value [range bins];
+    - `n_within`: picks with an error of at most `within_bins`;
+    - `n_thickness`, `thickness_error`, `thickness_absolute_error`: the same count and sums for the
+      thickness of the slab above, where both of its bounds have a pick;
+    - `n_picks`: picks of a false layer;
+    - `n_layers`, `n_missed_layers`, `n_false_layers`: 1 or 0, whether the row is a true layer, a
+      missed one (picked on less than half of its range lines), a false one.
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
@@ -82,20 +88,21 @@ def _finite(values):
 
 
 def pool_picks(rows, by, *, bin_size_m):
-    """Errors of picks, from `layer_rows`, pooled over all pixels of each group of the columns `by`.
+    """Pool rows of `layer_rows` over each group of equal values in the columns `by`.
 
-    Columns of `by`, in order of first appearance, then `mean_absolute_error_bins`, `bias_bins`, the
-    same of the thickness and all four as `_m`, with range bins of `bin_size_m` in snow;
-    `share_within`, `share_found` of the true pixels, `n_layers`, `n_missed_layers`,
-    `n_false_layers`, `n_true`, `n_found`. NaN where nothing was found.
+    The table has one row a group, in order of first appearance. Beside the columns `by` it holds
+    `mean_absolute_error_bins` and `bias_bins`, both also for the thickness, and all four in metres
+    (`_m`), where a range bin spans `bin_size_m` of snow; `share_within`, of found pixels;
+    `share_found`, of true pixels; `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true` and
+    `n_found`. Errors are NaN where nothing was found.
     """
     sums = rows.groupby(by, sort=False)[list(SUMS)].sum().reset_index()
     return errors_of_sums(sums, bin_size_m)
 
 
 def errors_of_sums(sums, bin_size_m):
-    """Columns of `pool_picks` beside the others of a table, from its columns `SUMS`."""
-    # NaN, not a warning, where a group has none.
+    """The table with its columns `SUMS` replaced by the error columns of `pool_picks`."""
+    # A count of 0 becomes NaN, so that no division warns.
     n_found = sums["n_found"].where(sums["n_found"] > 0)
     n_thickness = sums["n_thickness"].where(sums["n_thickness"] > 0)
     n_true = sums["n_true"].where(sums["n_true"] > 0)

@@ -1,4 +1,4 @@
-"""Mean power of a scene by eq. (1): by one sub-bin table of each layer, or exact."""
+"""Mean power of a scene by eq. (1), from a sub-bin table of each waveform or in closed form."""
 
 from dataclasses import dataclass
 
@@ -9,18 +9,19 @@ from snowsim.echogram import check_layer_bins
 from snowsim.limits import check_count, check_values
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 
-# Where tables hold, unpicked snow that falls off over 1000 bins included; PHY takes the closed form
-# elsewhere.
+# Limits within which tables are accurate. They admit unpicked snow that decays over 1000 bins. PHY
+# takes the closed form outside them.
 TABLE_RANGE = {"variance_bins2": (0.1, 100.0), "decay_rate": (1e-4, 1.0)}
 LIMITS = SAFE_RANGE | {"peak_power": (0,)}
-TABLE_POWERS = (1e-20, 1e20)  # of the strongest echo: float32 holds all that counts beside it
+# Limits of the strongest echo, within which float32 holds all echoes that count.
+TABLE_POWERS = (1e-20, 1e20)
 NODES_PER_BIN = 8
-# A table starts so many deviations above the centre, at 1e-12 of the waveform's peak, and ends so
-# many below ``alpha d``, where the waveform is an exponential to 3e-5.
+# A table starts `RISE_DEVIATIONS` above the centre, at 1e-12 of the waveform's peak. It ends
+# `FALL_DEVIATIONS` below ``alpha d``, where the waveform is an exponential to 3e-5.
 RISE_DEVIATIONS = 7.5
 FALL_DEVIATIONS = 4.0
-TAIL_DECAYS = 30  # the exponential's length: 1e-13
-WEAKEST = 1e-20  # of the strongest echo; what is weaker is left out
+TAIL_DECAYS = 30  # length of the exponential in e-folding depths, down to 1e-13
+WEAKEST = 1e-20  # relative to the strongest echo; weaker ones are left out
 LINES_AT_A_TIME = 16  # one cache line of float32
 
 
@@ -28,10 +29,10 @@ LINES_AT_A_TIME = 16  # one cache line of float32
 class Waveforms:
     """One scene's layers as the terms of eq. (1), ``P_s = sum_l amplitude_l w_l(x - centre_l)``.
 
-    (layer, range_line): `centre_bins` of the Gaussians, NaN where the layer is absent, and
-    `amplitude` [power per bin], 0 there. (layer,): `variance_bins2`, `decay_rate` [per bin] and
-    `unit_peak`, the largest value of the waveform of amplitude 1. `n_range_bins` is the height of
-    the window.
+    `centre_bins` (layer, range_line) is the centre of the Gaussian, NaN where the layer is absent;
+    `amplitude` (layer, range_line) is the factor of the waveform [power per bin], 0 where absent.
+    `variance_bins2`, `decay_rate` [per bin] and `unit_peak`, the largest value of the waveform of
+    amplitude 1, have one value a layer. `n_range_bins` is the height of the window.
     """
 
     centre_bins: np.ndarray
@@ -70,11 +71,12 @@ def mean_power(
     n_range_bins : int
         Height of the window.
     exact : bool, optional
-        By the closed form on every pixel, to a relative error of 1e-12. By default power plus a
-        noise of 1e-8 of the scene's largest power, or more, is within 0.05 dB of that.
+        Take the closed form on every pixel, with a relative error of 1e-12. By default tables are
+        used; with noise of at least 1e-8 of the scene's largest power added, they are within 0.05
+        dB of the closed form.
     as_printed : bool, optional
-        The Gaussian, not the waveform, lies on the layer and has the height `peak_power` before it
-        is convolved.
+        Take eq. (1) as it is printed: the Gaussian, not the waveform, has its peak on the layer,
+        and `peak_power` is its height before the convolution.
 
     Returns
     -------
@@ -89,9 +91,9 @@ def mean_power(
     Notes
     -----
     ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved
-    continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). The closed form is taken by
-    itself for scenes with a variance outside 0.1 to 100 bins^2, a rate outside 1e-4 to 1 a bin, or
-    the strongest layer outside the window.
+    continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). The closed form is also
+    taken, unasked, for scenes with a variance outside 0.1 to 100 bins^2, a rate outside 1e-4 to 1 a
+    bin, or the strongest layer outside the window.
 
     Examples
     --------
@@ -162,12 +164,12 @@ def power_of(waveforms, *, exact=False):
 
 
 def tables_hold(waveforms):
-    """Whether tables are as close as `mean_power` says."""
+    """Whether tables are as close to the closed form as `mean_power` promises."""
     for name, (low, high) in TABLE_RANGE.items():
         values = getattr(waveforms, name)
         if not np.all((values >= low) & (values <= high)):
             return False
-    # What tables leave out is small beside the strongest echo: that must be one in the window.
+    # Tables leave out what is small beside the strongest echo, which must lie in the window.
     peak_power = waveforms.amplitude * waveforms.unit_peak[:, None]
     centre = waveforms.centre_bins
     in_window = (centre >= 0) & (centre <= waveforms.n_range_bins - 1)
@@ -188,15 +190,16 @@ def exact_power(waveforms):
     return power
 
 
-# Tables of narrow layers underflow above where they are read.
+# Tables of narrow layers underflow in rows that are never read.
 @np.errstate(under="ignore", divide="ignore", invalid="ignore")
 def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
     """Mean power by a table of each layer's waveform, float32 (range_bin, range_line).
 
-    About the nearest node ``log w`` is a parabola: it has the value and slope of the node, and half
-    the Gaussian's curvature, ``-1 / 2d``. The true curvature lies between ``-1 / d`` far above the
-    peak and 0 far below, so with h bins from node to node the relative error is at most ``h^2 /
-    16 d``. Below its table a waveform is ``sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``.
+    About the nearest node ``log w`` is approximated by a parabola: it has the value and slope at
+    the node, and half the Gaussian's curvature, ``-1 / 2d``. The true curvature lies between
+    ``-1 / d`` far above the peak and 0 far below, so with h bins from node to node the relative
+    error is at most ``h^2 / 16 d``. Below its table a waveform is ``sqrt(2 pi d) exp(alpha^2 d / 2
+    - alpha x)``.
     """
     variance = waveforms.variance_bins2[:, None]
     decay = waveforms.decay_rate[:, None]
@@ -204,7 +207,7 @@ def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
     tail = decay * variance + FALL_DEVIATIONS * deviation
     start = int(np.floor(-RISE_DEVIATIONS * deviation.max()))
     n_bins = int(np.ceil(tail.max())) - start + 2
-    # By sub-bin position, then bin: neighbouring range bins of a line read neighbouring nodes.
+    # Nodes are sorted by sub-bin position, then bin: neighbouring range bins read neighbours.
     phase = np.arange(nodes_per_bin)[:, None] / nodes_per_bin
     x_bins = (start + phase + np.arange(n_bins)).ravel()
     value = waveform_exact(x_bins, variance, decay)
@@ -232,10 +235,11 @@ def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_layers(centre_bins, share, shapes, start, value, slope, exponential, unit, power):
-    """Fill `power`, (range_bin, range_line), with all layers, each `share` of `unit`.
+    """Fill `power` (range_bin, range_line) with the sum of all layers.
 
-    Of a layer, `shapes` are where its table starts and ends [bins below the centre], its variance,
-    decay and the logarithm of its tail at the centre.
+    A layer has the amplitude `share` times `unit`. Its row of `shapes` holds where its table starts
+    and ends [bins below the centre], its variance, its decay rate, and the logarithm of its
+    exponential tail, extended to the centre.
     """
     n_range_bins, n_lines = power.shape
     n_nodes = value.shape[1]
@@ -279,7 +283,7 @@ def _add_layers(centre_bins, share, shapes, start, value, slope, exponential, un
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_head(column, value, slope, away, scale):
-    """Add a table's waveform `away` from its nodes; the series of exp is off by 7e-4 at 1.2."""
+    """Add a waveform, read `away` from its table's nodes; exp as a series errs by 7e-4 at 1.2."""
     for row in range(column.size):
         y = away * slope[row]
         series = np.float32(1 / 120) + y * np.float32(1 / 720)
@@ -293,6 +297,6 @@ def _add_head(column, value, slope, away, scale):
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_tail(column, exponential, scale):
-    """Add an exponential, scaled."""
+    """Add `scale` times an exponential."""
     for row in range(column.size):
         column[row] += scale * exponential[row]

@@ -1,4 +1,4 @@
-"""Layers solved for jointly: powers and shared waveforms of eq. (1) on averaged range lines."""
+"""Deblending: powers and waveforms of eq. (1), fitted to all layers of averaged lines jointly."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -13,33 +13,36 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 from snowsim.progress import shown
 from snowsim.statistics.summaries import FIRST_ROW
 
-# Averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %.
+# Averaged lines that fit the shape of a layer; at 100 looks a line, decay rates err by 1.5 %.
 SHAPE_GROUPS = 60
-OPEN_END_BINS = 40  # below the pick of a layer without another, where its line ends
-RISE_DEVIATIONS = 7.0  # of its Gaussian: a waveform is cut at 1e-10 of the peak above
-FALL_NEPERS = 12.0  # and below these, by its decay, at 1e-5
-SMOOTH_ROWS = 9  # of the moving mean that the weights follow
-# [bins] e-folding depths of unpicked scatter; sums of them fit most declines.
+OPEN_END_BINS = 40  # a line with a single layer ends this far below its pick
+# A waveform begins `RISE_DEVIATIONS` of its Gaussian above the centre, at 1e-10 of the peak. It
+# ends `FALL_NEPERS` e-foldings of its decay deeper than as many deviations below, at 1e-5.
+RISE_DEVIATIONS = 7.0
+FALL_NEPERS = 12.0
+SMOOTH_ROWS = 9  # length of the moving mean of power that first weighs the residuals
+# [bins] e-folding depths of unpicked scatter; sums of such exponentials fit most declines.
 BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
-# [per bin] how fast it sets in below the surface: about a waveform's decay.
+# [per bin] how fast unpicked scatter sets in below the surface: about a waveform's decay.
 BACKGROUND_RISE = 0.1
-# [bins] between two picks from which on snow between them has an echo of its own, halfway.
+# [bins] Snow between two picks at least this far apart has an echo of its own, halfway.
 ECHO_ROOM = 14.0
-ECHO_VARIANCE = 0.6  # [bins^2] of its Gaussian: about that of the range response
+ECHO_VARIANCE = 0.6  # [bins^2] of that echo's Gaussian: about the range response's
 NORMAL_MEDIAN = 0.6745  # of the magnitude of a standard normal variable
-LEAST_DEVIATION = 1e-6  # of relative residuals, where lines are free of speckle
-# Of log decay rate, log variance and the peak's offset [bins].
+LEAST_DEVIATION = 1e-6  # smallest deviation of relative residuals; lines without speckle need it
+# Limits of a shape: log decay rate, log variance, and offset of the peak below the pick [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # about their start
-FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
-# [bins^2] starts: of a waveform as narrow as the range response, and of a wide one.
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # of a shape about its start
+FIRST_DECAY = np.log([0.05, 0.5])  # limits of the decay rate at the start, log of [per bin]
+# [bins^2] Fits start from a waveform as narrow as the range response, and from a wide one.
 FIRST_VARIANCES = (0.7, 8.0)
-MISFIT_LAGS = np.arange(-4, 17)  # [bins] from a pick, over which lasting misfit is looked for
-MISFIT_LINES = 10  # averaged lines needed to estimate it
-MOST_STEPS = 3  # between changes of weights
-MOST_ROUNDS = 4  # of weights from residuals, and of layers that depart
-# Of log decay, log variance and bins: a tenth of the smallest bound asked of them.
+MISFIT_LAGS = np.arange(-4, 17)  # [bins] below a pick: misfit that lasts along track is sought here
+MISFIT_LINES = 10  # averaged lines needed to estimate this misfit
+MOST_STEPS = 3  # evaluations of a fit between changes of weights
+MOST_ROUNDS = 4  # of weighing residuals, and of giving layers shapes of their own
+# A fit has settled when log decay, log variance and offset [bins] change by less than this: a
+# tenth of the smallest error allowed in them.
 SETTLED = 5e-3
 
 
@@ -47,11 +50,11 @@ SETTLED = 5e-3
 class Groups:
     """Averaged range lines of a flight with the layers in them."""
 
-    # (group, row), rows from `FIRST_ROW` below the surface; NaN outside the record:
+    # Power (group, row): the first row is `FIRST_ROW` below the surface; NaN outside the record.
     power: np.ndarray
-    # (group, layer, part), NaN where absent: equal parts of a layer's lines in order of depth.
-    position: np.ndarray  # mean row
-    spread: np.ndarray  # variance of the rows [bins^2]
+    # A part (group, layer, part) is one of equal shares of a layer's picks in order of depth.
+    position: np.ndarray  # mean row of a part, NaN where the layer is absent
+    spread: np.ndarray  # variance of the rows in a part [bins^2]
     present: np.ndarray  # (group, layer), bool
     noise_power: float
 
@@ -65,7 +68,7 @@ class Groups:
 class Line:
     """One averaged line, ready to fit."""
 
-    rows: np.ndarray  # those used, (row,)
+    rows: np.ndarray  # rows used in the fit, (row,)
     signal: np.ndarray  # power above noise, (row,)
     layers: np.ndarray  # numbers of its layers, (layer,)
     position: np.ndarray  # (layer, part)
@@ -78,22 +81,26 @@ class Line:
 
 
 def deblend(groups, decay_rate):
-    """Shapes of all layers of a flight, as variables, and powers (group, layer), found jointly.
+    """Fit waveform shapes of all layers of a flight, and powers (group, layer), jointly.
 
-    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their
-    medians are the start.
+    `groups` are `Groups`. `decay_rate` (group, layer) holds the rates of eq. (2), NaN where there
+    is none; the fit starts from their medians. Returns the shapes, as variables of a dataset, and
+    the powers.
 
-    Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of
-    eq. (1) of Yari et al. (2021), averaged over the parts of a group: within a part, a layer's rows
-    have a variance v_l, which to second order only widens the Gaussian. Powers and
-    `Line.background` are free in every group and linear, so they are eliminated (variable
-    projection, Kaufman 1975, BIT 15, 49-57). A shape - log decay rate, log variance and distance of
-    the waveform's peak below the pick - follows by least squares: one for the surface, one for all
-    buried layers; a layer departs from it only if the Bayesian information criterion favours it,
-    see `departing`. Residuals are weighted by 1 / P^2 because of speckle, and positive ones
-    less, as of Cauchy's law, because unpicked echoes only add to the waveforms. A broad prior
-    (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked
-    ones is kept as a nuisance at an interpolated row; below the last pick nothing is annotated.
+    The model of a group's mean power is ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d +
+    v_l, alpha)``, with the waveform w of eq. (1) of Yari et al. (2021), averaged over the parts of
+    a group. Within a part the rows of a layer have the variance v_l, which to second order only
+    widens the Gaussian. The powers p_l and those of `Line.background` are free in every group and
+    linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57).
+
+    A shape is a log decay rate, a log variance and the distance c of the waveform's peak below the
+    pick. Least squares find one shape for the surface and one for all buried layers; a buried layer
+    has its own only if the Bayesian information criterion favours that, see `departing`. A broad
+    prior (`PRIOR_DEVIATION`) holds parameters that the data do not constrain. Residuals have the
+    weight 1 / P^2 because of speckle. Positive ones weigh less, as under Cauchy's law, because
+    unpicked echoes only add to the waveforms. An unpicked layer between two picked ones is fitted
+    too, at an interpolated row; a line ends soon below its last pick, because nothing deeper is
+    annotated.
     """
     lines = [prepare_line(groups, group) for group in _spread_out(groups.present)]
     lines = [line for line in lines if line is not None]
@@ -135,16 +142,16 @@ def deblend(groups, decay_rate):
 
 
 def _first_shapes(starts, kind, lines):
-    """Shapes by kind (kind, 3) of the best fit from several starts, and lines as it left them.
+    """Shapes by kind (kind, 3) of the best fit from several starts, and its weighted lines.
 
-    A surface much too wide leaves its peak to the weights of unpicked echoes, at less loss: fits
-    that end at a limit do not count, and if all do, it warns.
+    Fits that end at a limit do not count, even at a smaller loss: a surface waveform that is much
+    too wide takes the surface's peak for an unpicked echo. If all end at a limit, it warns.
     """
-    # A quarter of the lines finds the way from each start; all of them, where it ends.
+    # One round on a quarter of the lines leads from each start to where a fit to all lines begins.
     tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
     fitted = []
     for shape, _ in sorted(tried, key=lambda found: found[1]):
-        # A fit changes the scales of its lines.
+        # A fit changes the scales of its lines, so each has copies.
         own_lines = [replace(line) for line in lines]
         shape, loss = _fit_shapes(shape, kind, own_lines)
         fitted.append((loss, shape, own_lines))
@@ -158,14 +165,14 @@ def _first_shapes(starts, kind, lines):
 
 
 def _is_inside(shape):
-    """Whether no number of shapes (kind, 3) ends at a limit."""
+    """Whether all shapes (kind, 3) lie inside the limits of the fit."""
     return ((shape > LOWER + SETTLED) & (shape < UPPER - SETTLED)).all()
 
 
 def _spread_out(present):
-    """Groups to fit shapes to, sorted.
+    """Numbers of the groups that shapes are fitted to, sorted.
 
-    Each layer, deepest first, takes evenly spaced ones until it has enough.
+    Each layer, deepest first, adds evenly spaced groups until it has `SHAPE_GROUPS`.
     """
     chosen = np.zeros(len(present), dtype=bool)
     for layer in reversed(range(present.shape[1])):
@@ -180,14 +187,14 @@ def _spread_out(present):
 def prepare_line(groups, group):
     """The group as `Line`, down to half a slab below its last pick.
 
-    None without a picked layer to fit.
+    None if no layer is picked, or if the rows are too few for the layers.
     """
     picked = np.flatnonzero(groups.present[group])
     if picked.size == 0:
         return None
     layers = np.arange(picked[0], picked[-1] + 1)
     parts = np.hstack([groups.position[group, picked], groups.spread[group, picked]])
-    # Linear between picked layers for those between.
+    # Layers between picked ones are interpolated linearly.
     between = [np.interp(layers, picked, part) for part in parts.T]
     position, spread = np.hsplit(np.transpose(between), 2)
     pick = position.mean(axis=1)
@@ -200,10 +207,11 @@ def prepare_line(groups, group):
     rows = rows[used]
     smooth = uniform_filter1d(signal, SMOOTH_ROWS, mode="nearest")
     smooth = np.maximum(smooth, 0) + groups.noise_power
-    # Unpicked snow has no free shape. Scatterers of density exp(-z / fall) give that exponential
-    # less the waveform's: it keeps a decline that continues below a layer's own decay from being
-    # taken for the layer's. So does an echo halfway between two picks with the power of crusts
-    # there. One is enough: many could stand for a slower decay.
+    # The columns of unpicked snow have fixed shapes. Scatterers whose density falls as
+    # exp(-z / fall) give this exponential less the waveform's own. Their decline continues below
+    # that of a layer and, without these columns, would be taken for the layer's decay. The power of
+    # crusts between two picks would be, too: an echo halfway takes it up. One is enough, because
+    # many could imitate a slower decay.
     depth = np.maximum(rows - (pick[0] if layers[0] == 0 else 0.0), 0)
     declines = np.exp(-depth / BACKGROUND_FALLS[:, None]) - np.exp(-BACKGROUND_RISE * depth)
     slab = np.diff(pick)
@@ -224,7 +232,7 @@ def prepare_line(groups, group):
 
 
 def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
-    """Shapes by kind of layer (kind, 3) from a start, and their loss."""
+    """Fit shapes by kind of layer (kind, 3) from a start; returns them and their loss."""
     shape = start
     slopes_of = {}
 
@@ -237,7 +245,7 @@ def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
     deviation, loss = _weigh(shape[kind], lines)
     for _ in shown(range(n_rounds), unit="round"):
         prior = np.tile(PRIOR_DEVIATION, len(start)) / deviation
-        # Where shapes change, the residuals of all lines were evaluated last.
+        # Slopes are asked for after a step is taken, at the shapes of the last residuals.
         solution = least_squares(
             residuals,
             np.clip(shape, LOWER + SETTLED, UPPER - SETTLED).ravel(),
@@ -256,9 +264,9 @@ def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
 
 
 def _weigh(shape, lines):
-    """Set the scale of lines by residuals; their standard deviation and mean loss.
+    """Set the scale of lines from residuals; returns the residuals' deviation and mean loss.
 
-    The scale is larger where power is above the model by more than the deviation: Cauchy's weights.
+    Where power exceeds the model by more than the deviation the scale grows: Cauchy's weights.
     """
     relative = []
     for line in lines:
@@ -274,9 +282,9 @@ def _weigh(shape, lines):
 
 
 def _explained(shape, line):
-    """Powers of a line's columns, and the power that they explain, without one-sided weights.
+    """Powers of a line's columns, and their sum (row,), from a fit without one-sided weights.
 
-    Sets the line's scale to the mean power expected, never below the smoothed one.
+    The line's scale becomes the mean power by this fit, or the smoothed power where that is larger.
     """
     waveforms = waveform_columns(shape, line, with_slopes=False)
     columns = np.concatenate([waveforms[0], line.background])
@@ -290,8 +298,9 @@ def _explained(shape, line):
 def separate(shape, kind, line):
     """Weighted residuals of a line (row,), and their slopes by the shapes of kinds (3 kind, row).
 
-    At shapes (layer, 3), by kind of layer, with powers eliminated from both. Unpicked layers
-    between picks help to explain the line, but at guessed rows do not constrain their shape.
+    `shape` is (layer, 3) and `kind` gives the kind of each layer. Powers are eliminated from
+    residuals and slopes. Unpicked layers between picks help to explain the line; since their rows
+    are guessed, they do not constrain a shape.
     """
     columns = waveform_columns(shape, line)
     linear = np.concatenate([columns[0], line.background])
@@ -306,10 +315,7 @@ def separate(shape, kind, line):
 
 
 def solve_powers(columns, line):
-    """Least-squares powers of the columns of a line, (column,).
-
-    And the upper Cholesky factor of the normal matrix.
-    """
+    """Least-squares powers (column,) of a line, and the Cholesky factor of the normal matrix."""
     weighted = columns / line.scale
     normal = weighted @ weighted.T
     # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far
@@ -326,10 +332,11 @@ def solve_powers(columns, line):
 def waveform_columns(shape, line, *, with_slopes=True):
     """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
 
-    A waveform is that of eq. (1) for a Gaussian of unit area but for a constant, wide enough for
-    the spread of its part. With Gaussian g, ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d
-    g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation. By w' = 0 the peak moves
-    with a and d; shapes hold its place, since one held at the Gaussian's would be a curved valley.
+    A waveform w is that of eq. (1), divided by the square root of its variance d, which includes
+    the spread of its part. With the Gaussian g and the decay rate a, ``dw/dx = g - a w`` and
+    ``dw/da = -((x - a d) w + d g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation.
+    A shape holds the place of the waveform's peak, where w' = 0, which moves with a and d. If it
+    held the place of the Gaussian, the loss would have a curved valley.
     """
     log_decay, log_variance, offset = shape[line.layers].T
     decay, variance = np.exp(log_decay), np.exp(log_variance)
@@ -338,7 +345,7 @@ def waveform_columns(shape, line, *, with_slopes=True):
     wide = variance[:, None] + line.spread.T[:, :, None]
     reach = RISE_DEVIATIONS * np.sqrt(wide)
     reached = (lag > -reach) & ((lag - reach) * decay[:, None] < FALL_NEPERS)
-    # From here on only the samples that the waveform reaches, of all parts and layers.
+    # From here on arrays hold only the samples that a waveform reaches, of all parts and layers.
     part, layer, _ = np.nonzero(reached)
     lag, wide = lag[reached], wide[part, layer, 0]
     decay, variance, peak = decay[layer], variance[layer], peak[layer]
@@ -362,10 +369,10 @@ def waveform_columns(shape, line, *, with_slopes=True):
 def departing(shape, kind, lines):
     """Buried layers whose residuals favour a shape of their own, bool (layer,).
 
-    ``s' B^-1 s`` is what a layer gains by its own shape: s its score at the shared one, the sum
-    over lines, and B its variance: the squares of the lines' scores, and what unpicked echoes that
-    last along track add to it, see `_lasting`. The Bayesian information criterion requires 3 log(n)
-    of n lines.
+    A layer gains ``s' B^-1 s`` by its own shape. Its score s, at the shared shape, is a sum over
+    lines. The variance B of the score is the sum of squares of the lines' scores, and a part due to
+    unpicked echoes that last along track, see `_lasting`. With n lines the Bayesian information
+    criterion requires a gain of 3 log(n).
     """
     every = np.arange(kind.size)
     scores = np.zeros((len(lines), kind.size, 3))
@@ -392,11 +399,12 @@ def departing(shape, kind, lines):
 
 
 def _lasting(profiles):
-    """Variance of misfit that lasts along track, of a row in the lines' scale.
+    """Variance in a row of misfit that lasts along track, in the lines' scale.
 
-    From residuals and slopes at `MISFIT_LAGS` (4, lag) of each layer's lines. It is what mean
-    residuals have beyond a layer's own shape and a constant, which one-sided weights leave, and
-    beyond chance; the median over layers. Such misfit is as wide as a waveform.
+    `profiles` holds, for each layer, the residuals and slopes (4, lag) of its lines at
+    `MISFIT_LAGS`. The mean residual of a layer is fitted by its slopes and a constant, which
+    one-sided weights leave. The variance that remains, less that of chance, is lasting misfit.
+    Returned is the median over layers less its uncertainty, at least 0.
     """
     left, chance = [0.0], [0.0]
     n_free = MISFIT_LAGS.size - 4
@@ -408,6 +416,6 @@ def _lasting(profiles):
         beyond = residual - basis @ (basis.T @ residual)
         chance.append(profile[:, 0].var(axis=0, ddof=1).mean() / len(profile))
         left.append((beyond**2).sum() / n_free - chance[-1])
-    # Of the mean over layers, by two standard deviations.
+    # Two standard deviations of the mean over layers.
     uncertain = 2 * np.mean(chance) * np.sqrt(2 / n_free / len(left))
     return max(np.median(left) - uncertain, 0.0)

@@ -1,6 +1,7 @@
 """The multi-scale network, and tracking with it.
 
-It is an encoder shaped like VGG16 with a side output at each stage, and a fusion of these.
+The network is an encoder shaped like VGG16. Each stage has a side output; the fused output is
+their weighted sum.
 """
 
 import numpy as np
@@ -11,19 +12,20 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic
 
-# Channels, as multiples of the width, and number of convolutions of each stage, as in VGG16.
+# Of each stage: channels, as a multiple of the width, and number of convolutions, as in VGG16.
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
 
 
 class MultiScaleNetwork(nn.Module):
-    """Maps of layer logits at five scales, and fused, from one image; `width` is 64 as published.
+    """A network that maps an image to layer logits at each of five scales, and fused.
 
-    The network of Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16
+    It is that of Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16
     without its classifier and without batch normalisation; a 1x1 convolution on each stage, whose
-    map is enlarged to the image; and a 1x1 convolution over the five maps. Pooling keeps odd edges
-    (ceil mode), and enlarged maps are cut on the right and below, so that pixel (0, 0) stays in its
-    place at any image size. Not published: `n_averaged` range lines may be averaged first, for
-    which maps are enlarged as well.
+    map is enlarged to the image; and a 1x1 convolution over the five maps. The published `width`,
+    the number of channels of the first stage, is 64. Pooling keeps odd edges (ceil mode), and
+    enlarged maps are cut on the right and below, so that pixel (0, 0) stays in its place at any
+    image size. One step is not in the paper: the network can average every `n_averaged` range lines
+    first; maps are then enlarged along track by that factor as well.
     """
 
     def __init__(self, width=64, n_averaged=1):
@@ -44,7 +46,7 @@ class MultiScaleNetwork(nn.Module):
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
 
     def forward(self, image):
-        """Logits, (output, patch, 1, range_bin, range_line), of images as from `to_input`."""
+        """Logits, (output, patch, 1, range_bin, range_line), of images made by `to_input`."""
         x = self.averaged(image)
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
@@ -55,12 +57,12 @@ class MultiScaleNetwork(nn.Module):
             factors = (2**number, 2**number * self.n_averaged)
             logits.append(self.enlarged(side(x).float(), factors, image.shape[2:]))
         sides = torch.stack(logits)
-        # The 1x1 convolution as a product, since maps are stacked in front and not as channels.
+        # The 1x1 convolution that fuses maps is a product here: maps are not stacked as channels.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
 
     def averaged(self, image):
-        """Images with every `n_averaged` range lines averaged; the last mean may have fewer."""
+        """Images with every `n_averaged` range lines averaged; the last mean may be of fewer."""
         if self.n_averaged == 1:
             return image
         size = (1, self.n_averaged)
@@ -77,7 +79,7 @@ class MultiScaleNetwork(nn.Module):
         return enlarge(logit, factors)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw the weights: stages as He et al. (2015), sides N(0, 0.01); the fuse is a mean."""
+        """Draw weights: stages as He et al. (2015), sides with s.d. 0.01; fuse starts as a mean."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):
@@ -104,9 +106,9 @@ def enlarge(x, factors, *, align_corners=False):
 def track(network, image, *, precision="float32"):
     """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
-    `network` is one that `trained_network` gives, `image` uint8 (range_bin, range_line) of any
-    size; ValueError if it has no contrast. `precision` is that of the arithmetic, `float32` or
-    `bfloat16`.
+    `network` comes from `trained_network`. `image` is uint8 (range_bin, range_line) of any size;
+    an image without contrast raises ValueError. `precision` is that of the arithmetic, `float32`
+    or `bfloat16`.
     """
     image = np.asarray(image)
     check_image(image)

@@ -1,7 +1,7 @@
-"""The tracker as published: network, copies of scenes, loss and updates of its code.
+"""The tracker as its authors train it: network, scaled and mirrored scenes, loss and updates.
 
-The code is github.com/BinaLab/MultiScale, the paper Rahnemoonfar, Yari, Paden, Koenig & Ibikunle
-(2021), J. Glaciol. 67.
+Their code is github.com/BinaLab/MultiScale; their paper is Rahnemoonfar, Yari, Paden, Koenig &
+Ibikunle (2021), J. Glaciol. 67.
 """
 
 import numpy as np
@@ -37,7 +37,7 @@ class PublishedNetwork(MultiScaleNetwork):
 
     @staticmethod
     def enlarged(logit, factors, size):
-        """The middle part, of `size`, of a side map enlarged by `factors`, corners on corners."""
+        """A side map enlarged by `factors` with corners aligned, cut to its central `size`."""
         logit = enlarge(logit, factors, align_corners=True)
         n_rows, n_lines = size
         # Python rounds half a pixel to the even one, as the published code does.
@@ -46,7 +46,10 @@ class PublishedNetwork(MultiScaleNetwork):
         return logit[:, :, top : top + n_rows, left : left + n_lines]
 
     def initialise(self, *, rng):
-        """Draw weights and biases as PyTorch does, within +-1 / sqrt(n inputs); a mean fuses."""
+        """Draw weights and biases as PyTorch does by default; the fuse starts as a mean.
+
+        Their law is uniform within +-1 / sqrt(number of inputs).
+        """
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 is_bias = name.endswith("bias")
@@ -62,7 +65,8 @@ class PublishedNetwork(MultiScaleNetwork):
 def published_optimiser(network, settings):
     """Stochastic gradient descent with one group for each rate and decay.
 
-    Groups are few because each costs a call, which takes longer than the step of a small network.
+    Parameters of equal rate and decay share a group: an update calls the optimiser once a group,
+    and in a small network that call takes longer than the arithmetic.
     ValueError for settings that do not apply to copies of whole scenes.
     """
     cut = settings.n_range_bins or settings.n_range_lines
@@ -86,14 +90,14 @@ def published_optimiser(network, settings):
 
 
 def published_rate(settings, n_updates, epoch):
-    """Rate relative to the highest, after `n_updates` updates and `epoch` whole epochs."""
+    """Learning rate over its highest, after `n_updates` updates and `epoch` whole epochs."""
     if settings.n_epochs_per_tenth is not None:
         return 0.1 ** (epoch // settings.n_epochs_per_tenth)
     return 0.1 ** (n_updates // settings.n_steps_per_tenth)
 
 
 def copy_at(step, scenes, settings, seed):
-    """Image and mask of the copy of a whole scene that a gradient is taken of, as stacks of one.
+    """Image and mask, as stacks of one, of the scaled or mirrored scene that step `step` shows.
 
     An epoch shows every scene once at each scale and once mirrored, in random order.
     """
@@ -112,11 +116,11 @@ def cost_of_probabilities(logits, layer):
 
 
 def published_gradient(training, scenes):
-    """Add the gradient of the next copy, and update the weights when `n_accumulated` are summed.
+    """Add the gradient of the next scaled or mirrored scene to a sum, and update when it is full.
 
-    Gradients are counted anew in every epoch; those that are too few for an update stay in the sum.
-    Returns the losses before the update, (output,), per pixel. ValueError if an epoch has too few
-    gradients for one update.
+    An update follows `n_accumulated` gradients, counted anew in every epoch; gradients left over at
+    the end of an epoch stay in the sum. Returns the loss per pixel of each output, (output,),
+    before the update. ValueError if an epoch has too few gradients for one update.
     """
     settings = training.settings
     n_per_epoch = settings.n_copies * scenes.n_per_epoch

@@ -36,7 +36,7 @@ def match_counts(
     truth : array_like of bool (or 0 and 1), (range_bin, range_line)
         True edges, which are never thinned.
     thresholds : array_like, (threshold,)
-        In any order, which is also that of the counts.
+        Thresholds in any order; counts come in the same order.
     max_dist : float
         Largest distance between the pixels of a pair, as a share of the image diagonal.
     max_dist_pixels : float, optional
@@ -67,8 +67,8 @@ def match_counts(
     This is the protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26).
     Its minimum-cost assignment with outliers is replaced by the exact maximum-cardinality matching:
     the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are worked through
-    from the highest down, and the matching is repaired, not begun again. A map in which nothing is
-    thinned away so costs little more than its lowest threshold.
+    from the highest down, and each matching is repaired from the one before. All thresholds of a
+    map that thinning leaves alone therefore cost little more than its lowest one.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def match_counts(
         msg += f"got {thresholds} and thin {thin!r}"
         raise ValueError(msg)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
-    # One frame of empty pixels serves the thinning and, to count pixels alike, the matching.
+    # Thinning needs a border of empty pixels; the truth gets one too, so that flat indices agree.
     matching = Matching(np.pad(truth, 1), radius)
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
@@ -116,9 +116,9 @@ def match_counts(
 
 
 def _changes(framed, levels, thin, early):
-    """Yield each level from the highest down, and the pixels that leave and join (flat indices)."""
+    """Yield level, pixels switched off and pixels switched on (flat indices), from the top down."""
     above_lowest = framed >= levels[0]
-    # The frame is not part of the map, even at a level of 0 or less, which its zeros reach.
+    # The border is no part of the map, although its zeros reach a level of 0 or less.
     above_lowest[[0, -1]] = False
     above_lowest[:, [0, -1]] = False
     pixels = np.flatnonzero(above_lowest)

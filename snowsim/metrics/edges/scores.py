@@ -32,7 +32,7 @@ def score(counts, thresholds=None):
         What `match_counts` gives for every image, thresholds ascending, or what `stack_counts`
         makes of it.
     thresholds : array_like, (threshold,), optional
-        Thresholds of the counts, to name the best one.
+        Thresholds of the counts; only `ods_threshold` needs them.
 
     Returns
     -------
@@ -45,8 +45,8 @@ def score(counts, thresholds=None):
     Raises
     ------
     ValueError
-        If there is no image, counts do not fit each other, or thresholds differ in number or do not
-        increase.
+        If there is no image, a count is missing, shapes of counts differ, more pixels match than
+        there are, or thresholds differ in number from the counts or do not increase.
 
     Notes
     -----
@@ -56,11 +56,12 @@ def score(counts, thresholds=None):
     therefore counts its false positives at the lowest threshold, where they are most numerous.
     Images without truth are counted in `n_without_truth`.
 
-    AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Of equal recalls the
-    lowest threshold is kept, precision is interpolated linearly at recalls 0, 0.01 ... 1, recalls
-    outside those seen are dropped, and the sum is divided by 100. AP so reaches 1.01 where recall
-    spans 0 to 1. As in the published code it is 0 where recall is the same at every threshold, as
-    for a perfect map of one level: its curve is a point, without an area.
+    AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Precision is
+    interpolated linearly at recalls 0, 0.01 ... 1, where thresholds of equal recall are represented
+    by the lowest. Recalls outside those observed are dropped. The sum of up to 101 values is
+    divided by 100, so that AP can reach 1.01. As in the published code, AP is 0 if recall is
+    the same at every threshold: the curve of a perfect map of one level is a point, without an
+    area.
 
     Examples
     --------
@@ -125,7 +126,7 @@ def _average_precision(pooled):
     recalls, lowest = np.unique(recall, return_index=True)
     if recalls.size < 2:
         return 0.0
-    # Of equal recalls, the precision at the lowest threshold.
+    # Equal recalls take the precision at their lowest threshold.
     interpolated = np.interp(EVERY_HUNDREDTH, recalls, precision[lowest], left=np.nan, right=np.nan)
     return float(np.nansum(interpolated) / 100)
 
