@@ -63,10 +63,12 @@ def waveforms(statistics):
     noise_db = to_db(float(statistics["noise_power"]))
     for layer, ax in enumerate(of_waveforms):
         # Of averaged lines, and of this layer alone by eq. (1).
-        ax.plot(lag_ns, to_db(statistics["mean_waveform"][layer]), label="mean waveform")
+        mean_db = to_db(statistics["mean_waveform"][layer])
+        ax.plot(lag_ns, mean_db, label="mean waveform")
         ax.plot(lag_ns, to_db(layer_waveform(statistics, layer)), ":", label="layer waveform")
         ax.set(xlabel="two-way travel time [ns]", ylabel="power [dB]", title=f"about layer {layer}")
-        ax.set_ylim(noise_db - 3, None)
+        # A layer alone falls by hundreds of decibels above its peak.
+        ax.set_ylim(noise_db - 3, float(mean_db.max()) + 3)
         ax.legend()
     of_peaks.plot(to_db(statistics["peak_power"]), "o", color=BLACK)
     of_peaks.axhline(noise_db, label="noise", **GUIDE)
