@@ -277,7 +277,7 @@ def along_track_m(echogram):
 
 
 def _check_variables(dataset, axes, where):
-    """Refuse a dataset that lacks variables on these axes, or times that increase; all are told."""
+    """Refuse a dataset that lacks variables on these axes, or times that increase; it names all."""
     held = {name: variable.dims for name, variable in dataset.variables.items()}
     wrong = [name for name, dims in axes.items() if set(held.get(name, ())) != set(dims)]
     if wrong or "slow_time" not in held:

@@ -1,4 +1,4 @@
-"""The recipe `measured`: a generator that is told the levels that PHY's statistics expect.
+"""The recipe `measured`: a generator that gets the levels that PHY's statistics expect.
 
 It makes an image without speckle; grain with the moments of what that image lacks is added.
 """

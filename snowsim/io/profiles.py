@@ -51,7 +51,7 @@ def read_profile(
 ):
     """The `Profile` of a table with a header, its fields divided by commas, semicolons or blanks.
 
-    Columns are told by words of their names, such as ``depth_cm``, ``Density (kg/m³)``, ``rho``,
+    Columns are found by words of their names, such as ``depth_cm``, ``Density (kg/m³)``, ``rho``,
     ``top [m]``, ``bottom [m]``, ``thickness``, or named. Units stand there, or in a row below the
     header, or are given; density without a unit takes the one that its values fit. Depths are of
     the top, bottom or middle of samples, as the name or `depth_of` says; where neither does, of

@@ -135,7 +135,7 @@ def summarise_renders(scenes, flight, phy, *, stream):
 
 
 def recovery_table(summary, flight, *, varies):
-    """`compare` of the statistics that renders give back, by the zones of the flight.
+    """`compare` of statistics re-estimated from the renders, by the zones of the flight.
 
     Without rows where renders are too few or too poor for any; the log says why.
     """
