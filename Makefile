@@ -69,7 +69,7 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
 
 # Statistics of the default run's flight, to where they are read without a run. The tracker there is not replaced: its
-# weights, of 0.2.0, score higher than what `snakemake pretrained` gives now (docs/stages/track.md).
+# weights, of 0.2.0, score higher than what `snakemake pretrained` gives now (docs/stages/tracker.md).
 package-data: setup
 	$(SNAKEMAKE) ship_statistics
 	cp results/shipped/reference_flight.nc snowsim/data/
