@@ -28,7 +28,13 @@ RELIEF = (
     "slab_change_bins2",
     "slab_exponent",
 )  # in the order of `Relief`
-SURFACE = ("surface_error_bins", "surface_error_length_m", "surface_movement_bins")
+SURFACE = (
+    "surface_error_bins",
+    "surface_error_length_m",
+    "surface_movement_bins",
+    "surface_movement_length_m",
+)
+TINY = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,15 +83,17 @@ class LabelModel:
 
     def draw_surface(self, *, rng):
         """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves."""
-        error_bins, length_m, movement_bins = self.surface
-        lag = lags_on_circle(self.n_range_lines, length_m / self.spacing_m)
-        falls = np.exp(-((lag * self.spacing_m / length_m) ** 2))
-        slow = draw_stationary(error_bins**2 * falls[None], self.n_range_lines, rng=rng)[0]
-        start = rng.uniform()
-        steps = movement_bins * rng.standard_normal(self.n_range_lines)
-        way = start + np.cumsum(steps)
-        left = way - np.rint(way) if movement_bins > 0 else 0.0
+        error_bins, error_length_m, movement_bins, movement_length_m = self.surface
+        slow = self._slow(error_bins, error_length_m, rng=rng)
+        height = rng.uniform() + np.cumsum(self._slow(movement_bins, movement_length_m, rng=rng))
+        left = height - np.rint(height) if movement_bins > 0 else 0.0
         return SURFACE_ROW + slow - slow.mean() + left
+
+    def _slow(self, deviation, length_m, *, rng):
+        """Gaussian series (range_line,) of a deviation and of Gaussian correlation."""
+        lag = lags_on_circle(self.n_range_lines, length_m / self.spacing_m)
+        falls = np.exp(-((lag * self.spacing_m / max(length_m, TINY)) ** 2))
+        return draw_stationary(deviation**2 * falls[None], self.n_range_lines, rng=rng)[0]
 
 
 def prepare(statistics, n_range_lines, *, nonstationary=None):

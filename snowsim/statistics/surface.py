@@ -14,16 +14,18 @@ TINY = 1e-100
 
 
 def surface_statistics(summary):
-    """Three numbers of the surface's row, name to (dimensions, values).
+    """Four numbers of the surface's row, name to (dimensions, values).
 
-    A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow
+    A product levels the aircraft's height m in whole bins, which leaves ``m - round(m)``; a slow
     error comes on top, of standard deviation `surface_error_bins` and Gaussian correlation
-    ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. of m from one
-    range line to the next, 0 where a product does not level in whole bins. The error is that of
-    least squares of relative residuals; its length is one of `LENGTHS`.
+    ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. change of m from
+    one range line to the next, and this change has a Gaussian correlation, too, of
+    `surface_movement_length_m`; both are 0 where a product does not level in whole bins. The error
+    is that of least squares of relative residuals; its length is one of `LENGTHS`.
     """
     rows = in_blocks(summary, "surface_bins")
-    movement = _movement(rows[np.isfinite(rows).all(axis=1)])
+    movement, n_lines = _movement(rows[np.isfinite(rows).all(axis=1)])
+    spacing_m = np.median(summary["line_spacing_m"])
     change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in LAGS])
     told = change > 0
     shape = 2 * (1 - np.exp(-((LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
@@ -31,23 +33,24 @@ def surface_statistics(summary):
     square = np.maximum((shape**2).sum(axis=1), TINY)
     variance = np.maximum((shape * target).sum(axis=1), 0) / square
     best = (variance**2 * square).argmax()
-    length_m = LENGTHS[best] * np.median(summary["line_spacing_m"])
     return {
         "surface_error_bins": ((), np.sqrt(variance[best])),
-        "surface_error_length_m": ((), length_m),
+        "surface_error_length_m": ((), LENGTHS[best] * spacing_m),
         "surface_movement_bins": ((), movement),
+        "surface_movement_length_m": ((), n_lines * spacing_m),
     }
 
 
 def _movement(rows):
-    """R.m.s. movement between range lines that was levelled in whole bins; 0 if none was.
+    """R.m.s. movement between range lines that was levelled in whole bins, and its length [lines].
 
-    Increments of the movement change by less than half a bin per line: they are those of the row
-    (block, range_line) less whole bins, and rounding such a movement makes as many steps.
+    Zeros if none was. Movement changes by less than half a bin per line: it is that of the row
+    (block, range_line) less whole bins, and rounding such a height makes as many steps. Its length
+    is where its autocorrelation falls to 1/e.
     """
     step = np.diff(rows, axis=1)
     if step.size == 0:
-        return 0.0
+        return 0.0, 0
     first = step[:, :1] - np.rint(step[:, :1])
     bend = np.diff(step, axis=1)
     change = np.cumsum(bend - np.rint(bend), axis=1)
@@ -56,5 +59,9 @@ def _movement(rows):
     movement -= np.rint(movement.mean(axis=1, keepdims=True))
     n_steps = np.abs(np.rint(step - movement)).sum()
     rms = np.sqrt((movement**2).mean())
-    levelled = n_steps > LEVELLED_SHARE * np.sqrt(2 / np.pi) * rms * movement.size
-    return rms if levelled else 0.0
+    if n_steps <= LEVELLED_SHARE * np.sqrt(2 / np.pi) * rms * movement.size:
+        return 0.0, 0
+    for lag in range(1, movement.shape[1]):
+        if (movement[:, lag:] * movement[:, :-lag]).mean() * np.e < rms**2:
+            break
+    return rms, lag

@@ -18,6 +18,7 @@ SURFACE = {
     "surface_error_bins": 0.8,
     "surface_error_length_m": 200.0,
     "surface_movement_bins": 0.4,
+    "surface_movement_length_m": 40.0,
 }
 SPREADS = {
     "noise_spread_db": 1.5,

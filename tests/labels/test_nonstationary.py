@@ -8,6 +8,7 @@ from snowsim.labels import Nonstationary, draw_scene, prepare
 SMOOTH = PLAIN_RELIEF | {
     "relative_thickness_variance": np.zeros((4, 20)),
     "surface_movement_bins": 0.0,
+    "surface_movement_length_m": 0.0,
     "surface_error_bins": 0.0,
 }
 

@@ -227,9 +227,8 @@ def test_plain_spectra_of_picks_with_gaps_are_those_of_shorter_stretches(rng):
 def surface_rows(n, rng, *, levelled):
     """A slow error of 0.9 bins, and what whole-bin levelling leaves of a movement of 0.3 a line."""
     slow = gaussian_relief((n,), 0.9, 40, rng)
-    way = np.cumsum(gaussian_filter1d(0.3 * rng.standard_normal((n, N_LINES)), 1), axis=1)
-    way += rng.uniform(0, 1, (n, 1))
-    return 50 + slow + (way - np.rint(way) if levelled else 0)
+    height = np.cumsum(gaussian_relief((n,), 0.3, 8, rng), axis=1) + rng.uniform(0, 1, (n, 1))
+    return 50 + slow + (height - np.rint(height) if levelled else 0)
 
 
 @pytest.mark.parametrize("levelled", [True, False])
@@ -240,7 +239,9 @@ def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
     # 300 rows of some 6 lengths: to 3 %; allow three.
     assert_allclose(found["surface_error_bins"], 0.9, rtol=0.1)
     assert_allclose(found["surface_error_length_m"], 40 * SPACING_M, rtol=0.15)
-    assert (found["surface_movement_bins"] > 0) == levelled
+    # 32 lengths a row.
+    assert_allclose(found["surface_movement_bins"], 0.3 * levelled, rtol=0.05)
+    assert_allclose(found["surface_movement_length_m"], 8 * SPACING_M * levelled, rtol=0.2)
 
 
 def test_a_surface_that_does_not_move_has_no_error():

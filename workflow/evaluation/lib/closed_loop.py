@@ -30,6 +30,7 @@ BOUNDS = {
     "slab_change_bins2": 0.30,
     "surface_error_bins": 0.15,
     "surface_movement_bins": 0.15,
+    "surface_movement_length_m": 0.15,
 }
 IN_BINS = ("width_bins",)
 # What renders of label sets with one radiometry for all do not show, and its bound.
