@@ -72,10 +72,10 @@ def test_movement_within_a_group_is_no_variance(planted):
     present = np.ones((8, 2), dtype=bool)
     groups = Groups(power, np.tile(base.T, (8, 1)), spread, present, planted.noise_power)
     fitted, powers = solution(groups)
-    # The movement is taken to second order; the third and fourth are some 1 % of the variance's.
-    assert_allclose(fitted["variance_bins2"], 12.5, rtol=0.01)
-    assert_allclose(fitted["decay_rate"], planted.decay_rate[:2], rtol=0.01)
-    assert_allclose(powers, np.tile(planted.peak_power[:2], (8, 1)), rtol=0.01)
+    # Twenty quantiles of a Gaussian law have a fourth cumulant of -0.4 bins^4, beside 12.5^2.
+    assert_allclose(fitted["variance_bins2"], 12.5, rtol=5e-3)
+    assert_allclose(fitted["decay_rate"], planted.decay_rate[:2], rtol=1e-3)
+    assert_allclose(powers, np.tile(planted.peak_power[:2], (8, 1)), rtol=1e-3)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
