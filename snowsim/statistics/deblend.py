@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg.lapack import dposv, dpotrs
@@ -51,10 +52,16 @@ class Groups:
 
     # Power (group, row): the first row is `FIRST_ROW` below the surface; NaN outside the record.
     power: np.ndarray
-    row: np.ndarray  # mean row of a layer's picks, (group, layer), NaN where it is absent
-    spread: np.ndarray  # variance of these rows [bins^2], (group, layer)
+    # A part (group, layer, part) is one of equal shares of a layer's picks in order of depth.
+    position: np.ndarray  # mean row of a part, NaN where the layer is absent
+    spread: np.ndarray  # variance of the rows in a part [bins^2]
     present: np.ndarray  # (group, layer), bool
     noise_power: float
+
+    @cached_property
+    def row(self):
+        """Mean row of a layer, (group, layer)."""
+        return self.position.mean(axis=2)
 
 
 @dataclass
@@ -64,8 +71,8 @@ class Line:
     rows: np.ndarray  # rows used in the fit, (row,)
     signal: np.ndarray  # power above noise, (row,)
     layers: np.ndarray  # numbers of its layers, (layer,)
-    row: np.ndarray  # of the layers, (layer,)
-    spread: np.ndarray  # (layer,)
+    position: np.ndarray  # (layer, part)
+    spread: np.ndarray  # (layer, part)
     picked: np.ndarray  # (layer,), False for unpicked layers between picked ones
     background: np.ndarray  # columns of unpicked snow, (column, row)
     noise_power: float
@@ -81,10 +88,10 @@ def deblend(groups, decay_rate):
     the powers.
 
     The model of a group's mean power is ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d +
-    v_l, alpha)``, with the waveform w of eq. (1) of Yari et al. (2021). Within a group the rows of
-    a layer have the variance v_l, which to second order only widens the Gaussian. The powers p_l
-    and those of `Line.background` are free in every group and linear, so they are eliminated
-    (variable projection, Kaufman 1975, BIT 15, 49-57).
+    v_l, alpha)``, with the waveform w of eq. (1) of Yari et al. (2021), averaged over the parts of
+    a group. Within a part the rows of a layer have the variance v_l, which to second order only
+    widens the Gaussian. The powers p_l and those of `Line.background` are free in every group and
+    linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57).
 
     A shape is a log decay rate, a log variance and the distance c of the waveform's peak below the
     pick. Least squares find one shape for the surface and one for all buried layers; a buried layer
@@ -186,9 +193,11 @@ def prepare_line(groups, group):
     if picked.size == 0:
         return None
     layers = np.arange(picked[0], picked[-1] + 1)
+    parts = np.hstack([groups.position[group, picked], groups.spread[group, picked]])
     # Layers between picked ones are interpolated linearly.
-    pick = np.interp(layers, picked, groups.row[group, picked])
-    spread = np.interp(layers, picked, groups.spread[group, picked])
+    between = [np.interp(layers, picked, part) for part in parts.T]
+    position, spread = np.hsplit(np.transpose(between), 2)
+    pick = position.mean(axis=1)
     below = (pick[-1] - pick[-2]) / 2 if layers.size > 1 else OPEN_END_BINS
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     used = (rows <= pick[-1] + below) & np.isfinite(groups.power[group])
@@ -212,7 +221,7 @@ def prepare_line(groups, group):
         rows=rows,
         signal=signal,
         layers=layers,
-        row=pick,
+        position=position,
         spread=spread,
         picked=np.isin(layers, picked),
         background=np.concatenate([declines, echoes]),
@@ -324,7 +333,7 @@ def waveform_columns(shape, line, *, with_slopes=True):
     """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
 
     A waveform w is that of eq. (1), divided by the square root of its variance d, which includes
-    the spread of its picks. With the Gaussian g and the decay rate a, ``dw/dx = g - a w`` and
+    the spread of its part. With the Gaussian g and the decay rate a, ``dw/dx = g - a w`` and
     ``dw/da = -((x - a d) w + d g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation.
     A shape holds the place of the waveform's peak, where w' = 0, which moves with a and d. If it
     held the place of the Gaussian, the loss would have a curved valley.
@@ -332,19 +341,19 @@ def waveform_columns(shape, line, *, with_slopes=True):
     log_decay, log_variance, offset = shape[line.layers].T
     decay, variance = np.exp(log_decay), np.exp(log_variance)
     peak, _ = waveform_peak(variance, decay)
-    lag = line.rows - (line.row + offset - peak)[:, None]
-    wide = (variance + line.spread)[:, None]
+    lag = line.rows - (line.position.T + offset - peak)[:, :, None]
+    wide = variance[:, None] + line.spread.T[:, :, None]
     reach = RISE_DEVIATIONS * np.sqrt(wide)
     reached = (lag > -reach) & ((lag - reach) * decay[:, None] < FALL_NEPERS)
-    # From here on arrays hold only the samples that a waveform reaches, of all layers.
-    layer, _ = np.nonzero(reached)
-    lag, wide = lag[reached], wide[layer, 0]
+    # From here on arrays hold only the samples that a waveform reaches, of all parts and layers.
+    part, layer, _ = np.nonzero(reached)
+    lag, wide = lag[reached], wide[part, layer, 0]
     decay, variance, peak = decay[layer], variance[layer], peak[layer]
     wave = waveform_exact(lag, wide, decay)
     columns = np.zeros((4 if with_slopes else 1, *reached.shape))
     columns[0, reached] = wave / np.sqrt(wide)
     if not with_slopes:
-        return columns
+        return columns.mean(axis=1)
     gaussian = np.exp(-(lag**2) / (2 * wide))
     along = gaussian - decay * wave
     by_decay = -((lag - decay * wide) * wave + wide * gaussian)
@@ -354,7 +363,7 @@ def waveform_columns(shape, line, *, with_slopes=True):
     by_decay = decay * by_decay + along * peak_by_decay
     by_variance = variance * bend / 2 + along * peak_by_variance
     columns[1:, reached] = [by_decay, by_variance, -along] / np.sqrt(wide)
-    return columns
+    return columns.mean(axis=1)
 
 
 def departing(shape, kind, lines):
@@ -376,7 +385,7 @@ def departing(shape, kind, lines):
         hessian += slopes @ slopes.swapaxes(1, 2)
         for i in np.flatnonzero(line.picked):
             layer = line.layers[i]
-            near = np.isin(line.rows, np.rint(line.row[i]) + MISFIT_LAGS)
+            near = np.isin(line.rows, np.rint(line.position[i].mean()) + MISFIT_LAGS)
             if near.sum() == MISFIT_LAGS.size:
                 profiles[layer].append(np.vstack([residual[near], slopes[layer][:, near]]))
     log_decay, log_variance, _ = shape[-1]

@@ -113,7 +113,7 @@ def noise(summary):
 def waveform(summary, noise_power, estimator):
     """Variables by layer, the flight's `Groups`, and powers and decay rates (group, layer)."""
     present = 2 * summary["n_picks"].values >= GROUP_LINES
-    parts = (summary[name].values for name in ("power", "row_mean", "row_variance"))
+    parts = (summary[name].values for name in ("power", "position", "spread"))
     groups = Groups(*parts, present, noise_power)
     tracked = summary["tracked_power"].values.astype(float)
     tracked_power = np.nan_to_num(known_mean(tracked, axis=0))

@@ -218,10 +218,11 @@ def _picked(groups, powers, waveform, rows):
     typical = np.nanmedian(decay) if decay.size > 1 else BACKGROUND_RISE
     decay = np.where(np.isfinite(decay), decay, typical)
     lead, height = waveform_peak(variance, decay)
+    spread = groups.spread.mean(axis=2) + groups.position.var(axis=2)
     total = np.zeros(groups.power.shape)
     for layer in range(offset.size):
         held = np.isfinite(powers[:, layer]) & np.isfinite(groups.row[:, layer])
-        wide = variance[layer] + groups.spread[held, layer, None]
+        wide = variance[layer] + spread[held, layer, None]
         lag = rows - groups.row[held, layer, None] - offset[layer] + lead[layer]
         wave = np.sqrt(variance[layer] / wide) * waveform_exact(lag, wide, decay[layer])
         total[held] += powers[held, layer, None] * (wave / height[layer])

@@ -14,6 +14,8 @@ from snowsim.statistics.moments import known_mean
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
+# Of a group's picks of a layer, sorted by depth: the rows that a sloping layer covers.
+PARTS = 2
 # Bins above the surface that still hold its rise: 8 standard deviations at a variance of 15.
 AIR_MARGIN_BINS = 30
 # Of products down range, from 0; the last give what lines share beyond the range response.
@@ -22,14 +24,14 @@ ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
-CONTENT = "snowsim flight summary 6"
+CONTENT = "snowsim flight summary 5"
 
 
 def summarise(echogram, layers, where="frame"):
     """One frame as a summary, a dataset for `merge`.
 
     Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin
-    remainder, a variance of up to 1/12 bins^2, stays in the rows of the layers.
+    remainder, a variance of up to 1/12 bins^2, stays in the positions.
 
     Parameters
     ----------
@@ -48,10 +50,11 @@ def summarise(echogram, layers, where="frame"):
         `n_groups`, `n_outside`, and `power_sum` of the picks. By `range_line`, NaN in gaps:
         `depth_bins (layer)` below the surface, which is bridged linearly in its gaps but not in its
         own row; `tracked_power (layer)` in the bin of each pick; `surface_bins`. By `group`:
-        averaged `power (row)` from `FIRST_ROW` below the surface, NaN outside the record;
-        `row_mean (layer)` and `row_variance` of the picks, and their number `n_picks`; of power in
-        the air `air_sum`, `air_count`, `air_products` and `air_pairs (air_lag)`, see `_air`, and
-        `gain_variance`, of the gain from line to line [nepers^2].
+        averaged `power (row)` from `FIRST_ROW` below the surface, NaN outside the record; `position
+        (layer, part)` and `spread`, mean row and its variance by halves of the picks in order of
+        depth; `n_picks (layer)`; of power in the air `air_sum`, `air_count`, `air_products` and
+        `air_pairs (air_lag)`, see `_air`, and `gain_variance`, of the gain from line to line
+        [nepers^2].
 
     Raises
     ------
@@ -109,14 +112,19 @@ def _averaged(power, rows, surface_row, n_groups):
     # A row that only some lines of a group reach would mix depths of different noise and fading.
     often = 2 * np.isfinite(lines).sum(axis=1) >= GROUP_LINES
     averaged = np.where(often, known_mean(lines.astype(float), axis=1), np.nan)
-    rows = rows[:, :n_lines].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
-    mean = known_mean(rows, axis=2)
-    variance = known_mean((rows - mean[:, :, None]) ** 2, axis=2)
+    # Rows of each group and layer in order of depth, NaN last, of which parts are then held.
+    rows = np.sort(rows[:, :n_lines].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1))
+    n_picks = np.isfinite(rows).sum(axis=2)
+    part = np.arange(GROUP_LINES) * PARTS // np.maximum(n_picks, 1)[:, :, None]
+    held = part[:, :, None] == np.arange(PARTS)[:, None]
+    in_parts = np.where(held, rows[:, :, None], np.nan)
+    position = known_mean(in_parts, axis=3)
+    spread = np.maximum(known_mean(in_parts**2, axis=3) - position**2, 0)
     return {
         "power": (("group", "row"), averaged.astype(np.float32)),
-        "row_mean": (("group", "layer"), mean.astype(np.float32)),
-        "row_variance": (("group", "layer"), variance.astype(np.float32)),
-        "n_picks": (("group", "layer"), np.isfinite(rows).sum(axis=2)),
+        "position": (("group", "layer", "part"), position.astype(np.float32)),
+        "spread": (("group", "layer", "part"), spread.astype(np.float32)),
+        "n_picks": (("group", "layer"), n_picks),
     }
 
 
