@@ -169,7 +169,10 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     formats.write_mat5(
         "layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"])
     )
-    write_scenes("scenes.nc", toy_scenes(2))
+    scenes = toy_scenes(2)
+    for number, scene in enumerate(scenes):
+        scene.notes["n_pixels_cut"] = 3 + number
+    write_scenes("scenes.nc", scenes)
     printed = {}
     for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
         main(["info", name])
@@ -187,6 +190,7 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     assert "id 1: 97.5% picked" in printed["layers.mat"]
     assert "no organizer file" in printed["layers.mat"]
     assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in printed["scenes.nc"]
+    assert "7 labelled pixels lie below the images" in printed["scenes.nc"]
     formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
     main(["info", "nsidc.nc"])
     assert "no supplement" not in capsys.readouterr().out
@@ -219,14 +223,6 @@ def test_info_tells_a_mask_from_an_edge_map_by_its_levels(place, capsys, file, l
     assert "50 range_bin, 20 range_line" in printed
     assert f"levels {levels}\n" in printed
     assert "highest 1\n" in printed
-
-
-def test_info_counts_what_scenes_do_not_show(tmp_path, capsys):
-    notes = [{"n_pixels_cut": 5}, {"n_pixels_cut": 2}]
-    scenes = [dataclasses.replace(scene, notes=notes[i]) for i, scene in enumerate(toy_scenes(2))]
-    write_scenes(tmp_path / "set.nc", scenes)
-    printed = described(tmp_path / "set.nc", capsys)
-    assert "7 labelled pixels lie below the images" in printed
 
 
 def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
