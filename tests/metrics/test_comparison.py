@@ -101,3 +101,8 @@ def test_the_bootstrap_takes_in_trainings_and_images(rng):
     # Replica 0 is the same in both: a quarter of the resamples draws it twice and finds nothing.
     assert row["bootstrap_low"] <= 0 <= row["bootstrap_high"]
     assert row["bootstrap_low"] <= row["difference"] <= row["bootstrap_high"]
+    table = compare({"a": [images], "b": [better]}, [("b", "a")], n_bootstrap=400, rng=rng)
+    alone = table.set_index("metric").loc["ods"]
+    # One replica leaves the images' error, Gaussian or not, to a tenth; 3.92 of it wide.
+    width = alone["bootstrap_high"] - alone["bootstrap_low"]
+    assert_allclose(width, 3.92 * alone["image_error"], rtol=0.3)
