@@ -88,7 +88,9 @@ def place(tmp_path, monkeypatch):
             1,
             "narrow.npy: size: expected 20 range lines of an image as one.npy has",
         ),
+        ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
         ("info text.nc", 1, "text.nc: content: expected"),
+        ("info empty", 1, "empty: scenes: expected files data_*.png"),
         ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
         (
             "export echogram.nc out",

@@ -13,6 +13,8 @@ def test_one_replica_leaves_the_images_error_alone():
     assert result["outcome"] == "not resolved"
     assert np.isnan(result["seed_spread"])
     assert result["seeds_to_resolve"] == -1
+    # 50 errors away: less than what is told.
+    assert paired_difference([0.5], image_error=0.01, n_images=61)["p_value"] == 1e-12
 
 
 def test_without_image_error_it_is_the_paired_t_test():
