@@ -262,7 +262,7 @@ def train(sources, model, n_steps, force, **settings):
       snowsim train my_pairs/ -o mine.onnx
       snowsim train results/phy/labels/*.nc -o mine.onnx --from universal --steps 1000
     """  # noqa: D205, D301
-    check_outputs([model], force, "ONNX", ".onnx")
+    check_outputs([model], force, ".onnx")
     try:
         from snowsim.learning import joined, train_tracker
     except ModuleNotFoundError as error:
@@ -386,12 +386,15 @@ def echo_warnings():
         click.echo(f"warning: {text}", err=True)
 
 
-def check_outputs(paths, force, kind="NetCDF", ending=".nc"):
-    """Refuse files by another name, in no folder, or, unless by force, over others."""
+def check_outputs(paths, force, ending=".nc"):
+    """Refuse a first file of another ending, and any in no folder or, unless by force, over others.
+
+    Names of further files are made of the first.
+    """
     for path in paths:
         problem = None
-        if path.suffix != ending:
-            problem = f"the file is {kind}, end its name in {ending}"
+        if path == paths[0] and path.suffix != ending:
+            problem = f"end the name of the file in {ending}"
         elif not path.parent.is_dir():
             problem = f"there is no folder {path.parent}"
         elif path.exists() and not force:
@@ -484,8 +487,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     from snowsim.snow import accumulation, table
 
     picture = path.with_suffix(".png")
-    check_outputs([path], force, "CSV", ".csv")
-    check_outputs([picture] if png else [], force, "a picture", ".png")
+    check_outputs([path, picture] if png else [path], force, ".csv")
     layers = open_segment(files)
     with echo_warnings():
         found = accumulation(layers, density_of(density), year=year_of(years), **settings)

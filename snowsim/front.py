@@ -108,9 +108,6 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
         warnings.warn(msg, UserWarning, stacklevel=2)
     below_s, parameters = physical_parameters(snowpack, radar)
     n_range_lines = n_range_lines or below_s.shape[1]
-    if below_s.shape[1] not in (1, n_range_lines):
-        msg = f"n_range_lines must be the {below_s.shape[1]} of the snowpack, got {n_range_lines}"
-        raise ValueError(msg)
     shape = (below_s.shape[0], n_range_lines)
     surface_row = _surface_row(below_s[0], radar)
     layer_bins = np.broadcast_to(surface_row + below_s / radar.bin_s, shape)
@@ -179,10 +176,14 @@ def _layers(echogram, twtt_s, peak_s, power_db, buried):
 
 
 def _check_lines(n_range_lines, snowpack, radar):
-    """Refuse what is no number of range lines, and an echogram too large to be read back."""
+    """Refuse a number of range lines that is none, another's, or too large to be read back."""
     check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))
+    n_own = snowpack.depth_m.shape[1]
+    if n_own not in (1, n_range_lines):
+        msg = f"n_range_lines must be the {n_own} of the snowpack, got {n_range_lines}"
+        raise ValueError(msg)
     depth_s = 2 * MOST_INDEX * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
     n_range_bins = int(depth_s / radar.bin_s) + SURFACE_ROW + ROWS_BELOW_LAST_LAYER
     most = MAXIMUM_BYTES // (PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS))
@@ -377,17 +378,17 @@ def scenes(
     """
     if not callable(renderer):
         check_choice("renderer", renderer, ("phy",))
-    check_count("n", n)
+    check_choice("recipe", recipe, ("measured", "paper"))
+    for name, value in {"n": n, "n_range_bins": n_range_bins}.items():
+        if value is not None:
+            check_count(name, value)
+    if n_looks is not None:
+        check_values("n_looks", n_looks, 1)
     where = "statistics"
     if not isinstance(statistics, xr.Dataset):
         where = REFERENCE if statistics == "reference" else statistics
         statistics = read_dataset(where)
     check_statistics(statistics, where)
-    if n_range_bins is not None:
-        check_count("n_range_bins", n_range_bins)
-    check_choice("recipe", recipe, ("measured", "paper"))
-    if n_looks is not None:
-        check_values("n_looks", n_looks, 1)
     options = {"exact": exact, "as_printed": recipe == "paper"}
     draw = partial(draw_paper_scene, statistics, n_range_lines)
     if recipe == "measured":

@@ -79,14 +79,15 @@ class Radar:
             if name != "window":
                 what = f"radar: {name}" + " in hertz" * name.endswith("_hz")
                 check_values(what, value, *RADARS.get(name, (0,)), above=True, number=True)
-        # The sweep begins above 0 Hz.
-        most_hz = np.nextafter(2 * self.centre_hz, 0)
-        check_values("radar: bandwidth_hz", self.bandwidth_hz, high=most_hz)
         used = self.widening / (self.cell_s * self.bandwidth_hz)
-        check_values(f"radar: share of the sweep that window {self.window} uses", used, LEAST_USED)
-        longest_s = MOST_CELLS * self.cell_s
-        what = f"radar: bin_s, up to {MOST_CELLS:g} range cells,"
-        check_values(what, self.bin_s, high=longest_s)
+        together = {
+            # The sweep begins above 0 Hz.
+            "bandwidth_hz": (self.bandwidth_hz, 0, np.nextafter(2 * self.centre_hz, 0)),
+            f"share of the sweep that window {self.window} uses": (used, LEAST_USED),
+            f"bin_s, up to {MOST_CELLS:g} range cells,": (self.bin_s, 0, MOST_CELLS * self.cell_s),
+        }
+        for what, within in together.items():
+            check_values(f"radar: {what}", *within)
         self.speckle_correlation()
 
     def __repr__(self):

@@ -80,7 +80,6 @@ def combine(delay_s, reflection, sweep):
         msg = "delay_s and reflection must be of one size (interface,), the surface's not 0, "
         msg += f"got shapes {delay_s.shape} and {reflection.shape}, {reflection[:1]} of the surface"
         raise ValueError(msg)
-    check_values("reflection", reflection)
     check_values("delay_s must not fall: its steps", np.diff(delay_s), 0)
     interfaces = np.flatnonzero(reflection)
     surface_s = delay_s[0]
@@ -189,7 +188,16 @@ def interfaces(depth_m, density_kg_m3, thickness_m=None):
     """
     _check_samples(depth_m, density_kg_m3, depth_m if thickness_m is None else thickness_m)
     top_m, base_m = _extents(depth_m, thickness_m)
-    _check_order(depth_m, top_m, base_m)
+    distances_m = top_m - np.append(0, base_m[:-1])
+    # Each with the least that it may be; a depth may come twice, an extent is never 0.
+    order = {
+        "depth_m": (depth_m, 0, False),
+        "depth_m must increase: extents": (base_m - top_m, 0, True),
+        "depth_m must increase: steps": (np.diff(depth_m), 0, False),
+        "samples must not overlap: distances": (distances_m, -TOUCHING_M, False),
+    }
+    for what, (values, least, above) in order.items():
+        check_values(f"profile: {what}", values, least, above=above)
     known = np.flatnonzero(np.isfinite(density_kg_m3))
     top_m = top_m[known]
     base_m = base_m[known]
@@ -232,14 +240,6 @@ def _check_samples(depth_m, density_kg_m3, thickness_m):
         msg += f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
         msg += f"{known.sum()} densities"
         raise ValueError(msg)
-
-
-def _check_order(depth_m, top_m, base_m):
-    """ValueError unless samples follow one another from 0 on."""
-    above_m = top_m - np.append(0, base_m[:-1])
-    check_values("profile: depth_m", depth_m, 0)
-    check_values("profile: depth_m must increase: extents", base_m - top_m, 0, above=True)
-    check_values("profile: samples must not overlap: distances", above_m, -TOUCHING_M)
 
 
 def _warn_of_missing(first_m, missing_m, end_m):

@@ -27,7 +27,7 @@ def arithmetic(device, precision):
 
 
 def load_weights(network, weights, name):
-    """Copy weights (dict of arrays) into a network.
+    """The network, with weights (dict of arrays) copied into it.
 
     ValueError, naming the network, if names or shapes differ.
     """
@@ -39,6 +39,7 @@ def load_weights(network, weights, name):
             msg = f"{name}: {shapes}: other settings made it"
             raise ValueError(msg)
     network.load_state_dict({key: torch.as_tensor(value) for key, value in weights.items()})
+    return network
 
 
 def moments_of(optimiser):

@@ -117,12 +117,15 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
             lambda: snowsim.Radar(centre_hz=5, bandwidth_hz=6, bin_s=0.0867),
             "centre_hz in hertz must be finite, above 1e.06, got 5",
         ),
-        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
         # By default it falls to 1 / e within one sample of the sweep.
         (lambda: snowsim.Radar.preset("snow-2-8", window="exponential"), "window exponential uses"),
         (
             lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
             "depth_m must increase with layer: its steps must be finite, above 0, got -1",
+        ),
+        (
+            lambda: snowsim.Snowpack.from_profile([0.5, 1, 3, 2, 4], [300, 310, 320, 330, 340]),
+            "depth_m must increase: steps must be finite, at least 0, got -1",
         ),
         (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
         (
@@ -189,15 +192,7 @@ def test_all_names_people_script_with_come_with_a_star():
     assert set(snowsim.__all__) == set(snowsim.FRONT)
 
 
-@pytest.mark.parametrize(
-    "window",
-    [
-        "taylor",
-        ("chebwin", 60),
-        ("kaiser_bessel_derived", 14),
-        ("exponential", None, 500),
-    ],
-)
+@pytest.mark.parametrize("window", ["taylor", ("chebwin", 60), ("kaiser_bessel_derived", 14)])
 def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):
     radar = snowsim.Radar.preset("snow-2-18", window=window)
     echogram, _ = snowsim.simulate(snowsim.Snowpack(**SNOW), radar, n_range_lines=2, rng=rng)

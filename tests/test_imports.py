@@ -107,15 +107,6 @@ def loaded_with(*names):
     return set(done.stdout.split())
 
 
-@pytest.mark.parametrize("stage", ["reference", "phy"])
-def test_the_nature_run_and_the_renderer_load_themselves_and_core_alone(stage):
-    of_stage = [module for module in MODULES if module.parts[0] == stage]
-    loaded = loaded_with(*[".".join(("snowsim", *module.parts)) for module in of_stage])
-    stages = {name.split(".")[1] for name in loaded if name.startswith("snowsim.")}
-    assert stage in stages
-    assert stages - {stage, "__init__"} <= CORE
-
-
 def test_the_configuration_is_checked_without_what_draws_and_trains():
     # Every start of the workflow checks it, dry runs included.
     loaded = loaded_with("lib.configuration")

@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -124,3 +125,22 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(
     python = bare(tmp_path, f"{next(built.glob('*.whl'))}{extra}")
     (tmp_path / "script.py").write_text(SCRIPTS[number])
     assert run_in(tmp_path, python, "-I", "script.py").strip()
+
+
+@pytest.mark.slow
+def test_one_trains_on_scenes_and_tracks_with_the_network(built, tmp_path, monkeypatch):
+    write_frames(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    bare(tmp_path, f"{next(built.glob('*.whl'))}[track]")
+    # The CPU build of torch first, as README says; then what else `learn` needs.
+    version, index = (
+        re.search(rf"^{name} \S*= (\S+)", (ROOT / "Makefile").read_text(), re.MULTILINE)[1]
+        for name in ("TORCH_VERSION", "TORCH_INDEX")
+    )
+    run_in(tmp_path, "bare/bin/python", ROOT / "envs/install_torch.py", version, index)
+    run_in(tmp_path, "bare/bin/python", "-m", "pip", "install", "-q", "onnx", "safetensors")
+    run = partial(run_in, tmp_path, "bare/bin/snowsim")
+    run("scenes", "drawn", "-n", 30, "--range-bins", 400)
+    run("train", "drawn", "-o", "mine.onnx", "--from", "universal", "--steps", 20)
+    run("track", "test_e.nc", "-o", "picked", "--model", "mine.onnx")
+    assert (tmp_path / "picked/test_e_layers.nc").is_file()

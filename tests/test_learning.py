@@ -1,11 +1,10 @@
 """A tracker trained on a user's own scenes: what it starts from, holds out and writes."""
 
 import pytest
-from numpy.testing import assert_array_equal
 from toy_scenes import toy_scenes
 
 from snowsim.io.trackers import read_tracker
-from snowsim.learning import Chosen, joined, network_of_tracker, train_tracker
+from snowsim.learning import network_of_tracker, train_tracker
 from snowsim.tracker.portable import network_of_onnx
 
 OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
@@ -68,13 +67,3 @@ def test_range_bins_are_those_in_the_scenes_notes_and_all_the_same(tmp_path):
     assert card["bin_s"] == 3e-10
     with pytest.raises(ValueError, match="expected range bins of 2e-10 s, .* found 3e-10 s"):
         train_tracker(tmp_path / "other.onnx", scenes, n_steps=1, **OWN)
-
-
-def test_sets_are_joined_in_order():
-    first = toy_scenes(2)
-    second = toy_scenes(4)[2:]
-    scenes = joined([first, second])
-    assert [scenes[place].name for place in range(len(scenes))] == [
-        scene.name for scene in toy_scenes(4)
-    ]
-    assert_array_equal(Chosen([(second, 1)])[0].image, second[1].image)

@@ -78,12 +78,10 @@ def check_killed_training(module, arguments, whole):
             if int(line) >= 3.5 * every_steps:
                 child.send_signal(signal.SIGKILL)
                 break
-        last_shown = max([int(line), *map(int, child.stdout.read().split())])
     assert child.returncode == -signal.SIGKILL
     assert not names & {path.name for path in checkpoint.parent.iterdir()}
     _, metadata = read_model(checkpoint)
     assert 3 * every_steps <= metadata["step"] < n_steps
-    assert last_shown - metadata["step"] <= every_steps  # one interval lost at most
     import_module(module).train(**arguments)
     for name in names:
         assert (checkpoint.parent / name).read_bytes() == (whole / name).read_bytes()

@@ -41,5 +41,5 @@ def render(generator, scene, settings, *, rng):
 def trained_generator(weights, settings, *, device="cpu"):
     """Generator for `render`, of weights (dict of arrays) and the `Settings` of their training."""
     generator, _ = networks_of(settings)
-    load_weights(generator, weights, "generator")
+    generator = load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()

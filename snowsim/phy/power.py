@@ -127,13 +127,18 @@ def checked_waveforms(
     variance = np.asarray(variance_bins2, dtype=float)
     decay = np.asarray(decay_rate, dtype=float)
     peak_power = np.asarray(peak_power, dtype=float)
-    if peak_power.shape == layer_bins.shape:
+    is_along_track = peak_power.shape == layer_bins.shape
+    if is_along_track:
         peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
-        check_values("peak_power", peak_power, 0)
-    else:
-        _check_by_layer(len(layer_bins), peak_power=peak_power)
-        peak_power = peak_power[:, None]
-    _check_by_layer(len(layer_bins), variance_bins2=variance, decay_rate=decay)
+    given = {"peak_power": peak_power, "variance_bins2": variance, "decay_rate": decay}
+    for name, values in given.items():
+        may_vary = name == "peak_power" and is_along_track
+        if values.shape != layer_bins.shape[:1] and not may_vary:
+            msg = f"{name}: expected one value for each of {len(layer_bins)} layers, "
+            msg += f"got shape {values.shape}"
+            raise ValueError(msg)
+        check_values(name, values, *LIMITS[name])
+    peak_power = peak_power if is_along_track else peak_power[:, None]
     offset_bins, unit_peak = waveform_peak(variance, decay)
     amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
     return Waveforms(
@@ -144,16 +149,6 @@ def checked_waveforms(
         unit_peak=unit_peak,
         n_range_bins=int(n_range_bins),
     )
-
-
-def _check_by_layer(n_layers, **given):
-    """ValueError unless all have one value a layer, within `LIMITS`."""
-    for name, values in given.items():
-        if values.shape != (n_layers,):
-            msg = f"{name}: expected one value for each of {n_layers} layers, "
-            msg += f"got shape {values.shape}"
-            raise ValueError(msg)
-        check_values(name, values, *LIMITS[name])
 
 
 def power_of(waveforms, *, exact=False):

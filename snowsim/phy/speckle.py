@@ -74,9 +74,6 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     if mean_power.dtype != np.float32:
         mean_power = mean_power.astype(float)
     check_values("mean_power", mean_power, 0)
-    if mean_power.ndim != 2:
-        msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
-        raise ValueError(msg)
     check_looks(method, n_looks, correlation)
     return drawn(mean_power, n_looks, method=method, correlation=correlation, rng=rng)
 

@@ -81,6 +81,4 @@ def network_of_onnx(content):
     weights = {name: held[PREFIX + name] for name in expected if PREFIX + name in held}
     # For a file without weights it is 1, and the error below names the first one missing.
     width = len(weights.get("stages.0.0.bias", [0]))
-    network = MultiScaleNetwork(width, n_averaged)
-    load_weights(network, weights, "tracker")
-    return network.eval()
+    return load_weights(MultiScaleNetwork(width, n_averaged), weights, "tracker").eval()

@@ -24,8 +24,7 @@ def network_of(settings):
 
 def trained_network(weights, settings, *, device="cpu"):
     """Network for `track` from weights (dict of arrays) and the `Settings` of their training."""
-    network = network_of(settings)
-    load_weights(network, weights, "tracker")
+    network = load_weights(network_of(settings), weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()
 
 

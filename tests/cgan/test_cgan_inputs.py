@@ -1,9 +1,6 @@
 """Levels that a generator is told in rendering are those that it learnt from observed images."""
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, with_echoes
 
@@ -43,9 +40,3 @@ def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_ther
     n_marked = (inputs[0, 0] > -1).sum(dim=0).numpy()
     assert (n_marked[:20] == 4).all()
     assert (n_marked[20:30] == 3).all()
-
-
-def test_a_scene_without_echoes_is_refused_with_what_makes_them():
-    scene = replace(toy_scene(1), echoes=None)
-    with pytest.raises(ValueError, match=r"scene toy 1: expected echoes.*snowsim.labels.dress"):
-        expected_image(scene)

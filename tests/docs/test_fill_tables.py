@@ -1,16 +1,9 @@
 """README's table of results is that of a run's tables, its pictures those of a run's files."""
 
 import fill_tables
-import numpy as np
 import pandas as pd
 import pytest
-from matplotlib import pyplot as plt
 from result_tables import SETS, table2, table3_intervals
-
-from snowsim.echogram import Scene
-from snowsim.io.files import write_dataset
-from snowsim.io.scenes import write_scenes
-from snowsim.reference import checked_settings, draw_climate, draw_frame
 
 
 @pytest.fixture
@@ -41,21 +34,3 @@ def test_readme_has_the_place_and_a_page_without_it_is_refused(results):
     assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
     with pytest.raises(ValueError, match="expected <!-- results -->"):
         fill_tables.filled("<!-- results -->\nnever closed\n", results)
-
-
-def test_the_picture_is_an_echogram_with_its_tracked_layers_beside_both_renders(tmp_path, rng):
-    settings = checked_settings({"radar": {"n_range_bins": 600}})
-    climate = draw_climate(settings, rng=rng)
-    echogram, _ = draw_frame(0, 1, 600, climate=climate, settings=settings, rng=rng)
-    write_dataset(tmp_path / f"flight/{fill_tables.FRAME}.nc", echogram)
-    layer_bins = 50 + 10.0 * np.arange(fill_tables.LEAST_LAYERS + 1)[:, None] * np.ones(64)
-    for method in ("phy", "cgan"):
-        image = rng.integers(0, 256, (320, 64), dtype=np.uint8)
-        scene = Scene("0", 320, layer_bins, image=image)
-        write_scenes(tmp_path / f"{method}/labels/0000.nc", [scene], {"method": method})
-    figure = fill_tables.sample(tmp_path)
-    shown = [ax.images[0].get_array() for ax in figure.axes]
-    plt.close(figure)
-    assert shown[0].shape == (fill_tables.N_ROWS, fill_tables.N_LINES)
-    assert [image.shape for image in shown[1:]] == [(fill_tables.N_ROWS, 64)] * 2
-    assert len(figure.axes[0].lines) > 1

@@ -5,9 +5,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from evaluation.lib.atlas_statistics import SWEEPS, Planted, draw_atlas, is_finite
+from evaluation.lib.atlas_statistics import SWEEPS, draw_atlas
 from snowsim.seeding import random_stream
-from snowsim.statistics import fit
 
 # Flights say on how little they stand: they are short.
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
@@ -52,10 +51,3 @@ def test_thin_slabs_and_few_looks_fail(atlas):
     for estimator in ("deblended", "paper"):
         assert thin[estimator, "peak_power"] > 1
     assert ends["looks of a range line", 0.2, "paper", "decay_rate"] > 0.5
-
-
-def test_what_is_not_finite_is_reported(rng):
-    fitted = fit(Planted().frames(rng))
-    assert is_finite(fitted)
-    assert not is_finite(fitted.assign(peak_power=fitted["peak_power"] * np.nan))
-    assert not is_finite(fitted.assign_attrs(n_looks=np.inf))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from evaluation.lib.figures.flight import echogram
 from evaluation.lib.figures.style import Scale, new_panel, save_figure
 
 # 5 cm of snow and 2 m along track.
@@ -33,19 +32,3 @@ def test_layers_lie_on_the_middle_of_their_pixels():
     assert_allclose(depth_m, top + (60 + 0.5) / 80 * (bottom - top))
     assert_allclose(depth_m, 10 * 0.05)
     assert_allclose(distance_km, left + (np.arange(30) + 0.5) / 30 * (right - left))
-
-
-def test_what_was_not_measured_is_black_and_leaves_the_rest_as_it_was(flight):
-    frame, picks = flight[0]
-    whole = echogram(frame, picks, SCALE).axes[0].images[0]
-    gaps = frame.copy(deep=True)
-    gaps["Data"][:, 7] = np.nan
-    gaps["Data"][5, 9] = 0
-    ax = echogram(gaps, picks, SCALE).axes[0]
-    shown = ax.images[0].get_array()
-    assert shown.mask[:, 7].all()
-    assert shown.mask[5, 9]
-    assert ax.get_facecolor() == (0, 0, 0, 1)
-    # Black and white are quantiles of 250 lines, one of which is missing: they move by some
-    # hundredths of the 30 dB in 255 grey levels.
-    assert_allclose(shown.compressed(), whole.get_array()[~shown.mask], atol=1)

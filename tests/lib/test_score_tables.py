@@ -28,7 +28,7 @@ def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shal
     assert_allclose(table["ssim_smooth"], 0.4)
 
 
-def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
+def test_equal_sets_differ_by_nothing_and_a_better_one_does(rng):
     base, better = ([image_counts(share, 30, rng=rng) for _ in range(2)] for share in (0.6, 0.9))
     counts = {
         (s, output): c
@@ -36,9 +36,6 @@ def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
         for output in OUTPUTS
     }
     intervals = tracker_intervals(counts, ["rd", "rd_gd", "rd_pd"], n_bootstrap=200, rng=rng)
-    assert (
-        (intervals["low"] <= intervals["mean"]) & (intervals["mean"] <= intervals["high"])
-    ).all()
     same = intervals[intervals["training_set"] == "rd_gd"]
     assert_allclose(same[["difference", "difference_low", "difference_high"]], 0)
     ods = intervals[(intervals["training_set"] == "rd_pd") & (intervals["metric"] == "ods")]

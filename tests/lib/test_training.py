@@ -3,7 +3,6 @@
 Memory that is missing is named.
 """
 
-import numpy as np
 import pytest
 import torch
 from formats import refused
@@ -57,22 +56,6 @@ def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished
 def test_a_truncated_checkpoint_is_refused_in_one_line(unfinished, kept):
     unfinished.write_bytes(unfinished.read_bytes()[:kept])
     refused(lambda path: counted(path, Counter()), unfinished, "expected a whole .*remove it")
-
-
-def test_events_are_written_for_tensorboard(tmp_path):
-    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
-
-    counter = Counter()
-    with TrainingRun(
-        counter, tmp_path / "u.safetensors", {}, every_steps=50, path_to_events=tmp_path / "e"
-    ) as run:
-        run.take(counter.steps(30), 30, "counter")
-    events = EventAccumulator(str(tmp_path / "e"))
-    events.Reload()
-    assert [event.step for event in events.Scalars("loss/alpha")] == [10, 20, 30]
-    np.testing.assert_allclose(
-        [event.value for event in events.Scalars("loss/alpha")], [1 / 10, 1 / 20, 1 / 30]
-    )
 
 
 def test_too_little_memory_is_one_line():

@@ -1,6 +1,6 @@
+import mpmath
 import numpy as np
 import pytest
-from eighty_digits import waveform_in_80_digits
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -8,6 +8,18 @@ from numpy.testing import assert_allclose
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 
 SMALLEST_NORMAL = np.finfo(float).tiny
+
+
+def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
+    """Eq. (1) for one layer by its textbook form, with enough digits to survive it."""
+    with mpmath.workdps(80):
+        x = mpmath.mpf(float(x_bins))
+        d = mpmath.mpf(float(variance_bins2))
+        a = mpmath.mpf(float(decay_rate))
+        z = (a * d - x) / mpmath.sqrt(2 * d)
+        area = mpmath.sqrt(mpmath.pi * d / 2)
+        decay = mpmath.exp(a * a * d / 2 - a * x)
+        return area * decay * mpmath.erfc(z)
 
 
 def log_uniform(low, high):

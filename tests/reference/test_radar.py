@@ -10,12 +10,8 @@ RADAR = RadarSettings()
 MARGIN = rd.range_response(RADAR).size // 2 + RADAR.n_sub_bins
 
 
-def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weighted_beat_signal():
-    # 6 GHz: 0.200 m between nulls, 0.075 m equivalent width, of path there and back.
-    null_s = 0.200 / SPEED_OF_LIGHT_M_S / 2
-    assert abs(rd.hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
-    before_null_s = np.linspace(0, 0.999 * null_s, 100)
-    assert (rd.hann_response(before_null_s, 6e9) > 0).all()
+def test_hann_response_has_the_published_width_and_is_the_spectrum_of_the_weighted_beat_signal():
+    # 6 GHz: 0.075 m equivalent width of path there and back.
     delay_s = np.linspace(-50 / 6e9, 50 / 6e9, 200_001)
     power = rd.hann_response(delay_s, 6e9) ** 2
     width_m = np.trapezoid(power, delay_s) * SPEED_OF_LIGHT_M_S
@@ -42,15 +38,6 @@ def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spre
     rough = rd.interface_waveform(RADAR, 0.03, 0.08)
     smooth = rd.interface_waveform(RADAR, 0.03, 0.02)
     assert rough.peak < smooth.peak
-
-
-def test_buried_echo_falls_to_a_third_over_the_bins_of_the_paper():
-    waveform = rd.interface_waveform(RADAR, RADAR.horizon_slope, RADAR.roughness_m)
-    received = np.convolve(waveform.power, rd.range_response(RADAR) ** 2, mode="same")
-    top = received.argmax()
-    has_fallen = received[top:] < received[top] / np.e
-    fall_bins = np.argmax(has_fallen) / RADAR.n_sub_bins
-    assert 8 < fall_bins < 20
 
 
 def flat_field(n_lines, n_bins, power):

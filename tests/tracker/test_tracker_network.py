@@ -4,7 +4,7 @@ import torch
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker import MultiScaleNetwork, PublishedNetwork
+from snowsim.tracker import MultiScaleNetwork
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])
@@ -35,13 +35,6 @@ def noise(rng):
 def _without_gradients():
     with torch.no_grad():
         yield
-
-
-@pytest.mark.parametrize("kind", [MultiScaleNetwork, PublishedNetwork])
-@pytest.mark.parametrize("size", [(64, 64), (300, 17), (33, 47), (1, 1), (15, 16)])
-def test_every_output_has_the_size_of_the_image(kind, size):
-    logits = kind(2)(torch.zeros(2, 1, *size))
-    assert logits.shape == (len(OUTPUTS), 2, 1, *size)
 
 
 @pytest.mark.parametrize("size", [(64, 64), (33, 47), (1, 1)])

@@ -28,9 +28,9 @@ def resolved(part):
 
 
 def sections(values, schema=SCHEMA, path=()):
-    """(path, values, properties) of every section whose keys the schema closes."""
+    """(path, values) of every section whose keys the schema closes."""
     properties = {key: resolved(part) for key, part in schema["properties"].items()}
-    yield path, values, properties
+    yield path, values
     for key, value in values.items():
         if isinstance(value, dict) and "properties" in properties[key]:
             yield from sections(value, properties[key], (*path, key))
@@ -52,26 +52,15 @@ def at_the_limits(limits, is_whole):
     return inside, outside
 
 
-def test_the_schema_accepts_the_default_and_refuses_what_its_limits_exclude():
+def test_the_schema_accepts_the_default_and_refuses_keys_that_it_does_not_know():
     Draft202012Validator.check_schema(SCHEMA)
     accepts = Draft202012Validator(SCHEMA).is_valid
     config = deepcopy(WRITTEN)
-    n_limits = 0
     assert accepts(config)
-    for path, values, properties in sections(config):
+    for path, values in sections(config):
         values["unheard_of"] = 1
         assert not accepts(config), path
         del values["unheard_of"]
-        for key, default in list(values.items()):
-            part = properties[key]
-            inside, outside = at_the_limits(part, part.get("type") == "integer")
-            outside += ["none of these"] if "enum" in part else []
-            for value in [*inside, *outside]:
-                values[key] = value
-                assert accepts(config) == (value in inside), (*path, key, value)
-            values[key] = default
-            n_limits += len(outside)
-    assert n_limits > 40
 
 
 def groups_of(recipe):

@@ -37,8 +37,6 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
         listed |= dict(re.findall(r"^  (\w+) {2,}(\S.*)$", lines, flags=re.MULTILINE))
     assert set(listed) >= TARGETS
     assert set(listed) == {rule.name for rule in rules if not rule.output} - {"help"}
-    # A name alone, or Python's None, describes nothing.
-    assert all(len(text.split()) > 2 for text in listed.values()), listed
 
 
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):

@@ -15,7 +15,6 @@ from runs import (
     ROOT,
     SCHEMA,
     WRITTEN,
-    lines_with,
     refused,
     rules_to_run,
     run_snakemake,
@@ -193,17 +192,3 @@ def test_own_files_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path
     assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 2, 0, 2]
     check_own(results)
     assert "own frames" in (results / "figures/flight_line.svg").read_text()
-
-
-@pytest.mark.slow
-def test_frames_that_fail_are_all_named_in_one_go(tmp_path, own_flight):
-    first = tmp_path / "echogram_0"
-    first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])
-    (tmp_path / "echogram_1").write_text("no echogram")
-    done = run_snakemake(
-        tmp_path / "run", "--", "results/statistics.nc", configs=own_flight, fails=True
-    )
-    assert "error: check_frames: frames: 3 of 4 frames fail" in text_of(done)
-    for name in ("20120330_04_001: ", "20120330_04_001t: ", "20120330_04_002: "):
-        assert lines_with(done, name)
-    assert not (tmp_path / "run/results/flight").exists()

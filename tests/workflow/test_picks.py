@@ -32,14 +32,6 @@ def test_jobs_hold_whole_segments(tmp_path):
         assert [row["frame"] for job in jobs for row in job] == names
 
 
-def test_a_table_without_frames_to_track_is_refused(tmp_path):
-    (tmp_path / "Data_1.mat").touch()
-    table = table_of(tmp_path, ["1"])
-    table.write_text(table.read_text().replace("\t\ttrack", "\tData_1.mat\ttest"))
-    with pytest.raises(ValueError, match="expected at least one frame for track, found none"):
-        frames_to_track(table, 10)
-
-
 @pytest.mark.slow
 def test_frames_are_tracked_without_annotation(tmp_path, rng):
     echogram, layers = planted(rng, n_lines=500)

@@ -97,11 +97,3 @@ def test_a_setting_reruns_what_depends_on_it_and_nothing_else(
     triggered = set(re.findall(r"\w+", triggered[1]))
     assert first <= triggered
     assert rules_to_run(changed) == set().union(*(downstream[name] for name in triggered))
-
-
-def test_a_setting_of_another_stage_reruns_nothing(plan, tmp_path):
-    other = (
-        "tracker: {n_bootstrap: 7, training: {learning_rate: 1.0}}\nsimilarity: {window_rows: 20}"
-    )
-    changed = plan("--dry-run", "--", "labels", "renders", configs=settings(tmp_path, other))
-    assert rules_to_run(changed) == set()

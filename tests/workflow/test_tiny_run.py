@@ -1,8 +1,6 @@
 """The tiny configuration through every rule: tables, figures, and a report that stands alone."""
 
 import re
-import shutil
-import subprocess
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,7 +8,6 @@ import pandas as pd
 import pytest
 from PIL import Image
 from result_tables import OUTPUTS, SETS
-from runs import call, command
 
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
@@ -77,18 +74,3 @@ def test_every_figure_of_the_default_run_is_on_the_page(tiny_run, page):
     assert sorted(shown) == sorted({figure.stem for figure in figures})
     for figure in figures:
         assert figure.with_suffix(".png").is_file()
-
-
-def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
-    alone = ["unshare", "--net", "--map-root-user"]
-    if (
-        shutil.which("unshare") is None
-        or subprocess.run([*alone, "true"], check=False).returncode != 0
-    ):
-        alone = []
-    page = tmp_path / "report.html"
-    done = call(*alone, *command(tiny_run, "--report", page, source=tiny_source))
-    assert done.returncode == 0, done.stderr[-3000:]
-    text = page.read_text()
-    assert "table3.csv" in text
-    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?:", text)

@@ -13,14 +13,9 @@ def stack_counts(counts):
 
     `counts` holds for every image what `match_counts` gives, or is such a dict already.
     """
-    images = [counts] if isinstance(counts, dict) else list(counts)
-    lacking = [name for image in images for name in COUNTS if name not in image]
-    if lacking:
-        msg = f"counts of every image must hold {', '.join(COUNTS)}, {lacking[0]} is missing"
-        raise ValueError(msg)
     if isinstance(counts, dict):
         return {name: np.asarray(counts[name]) for name in COUNTS}
-    return {name: np.array([image[name] for image in images]) for name in COUNTS}
+    return {name: np.array([image[name] for image in counts]) for name in COUNTS}
 
 
 def score(counts, thresholds=None):
@@ -45,7 +40,7 @@ def score(counts, thresholds=None):
     Raises
     ------
     ValueError
-        If there is no image, a count is missing, shapes of counts differ, more pixels match than
+        If there is no image, shapes of counts differ, more pixels match than
         there are, or thresholds differ in number from the counts or do not increase.
 
     Notes

@@ -52,14 +52,6 @@ def test_every_image_of_every_scene_decodes_and_has_alt_text(page):
         assert page.evaluate(bad) == 0
 
 
-def test_the_layer_switch_shows_and_hides_layers(page):
-    layers = page.locator("#panels .stage.phy .overlay")
-    assert layers.locator("polyline").count() > 0
-    assert layers.is_visible()
-    page.uncheck("#layers")
-    assert not layers.is_visible()
-
-
 def place(page):
     """Range bin and range line that the readout names."""
     text = page.locator("#readout").inner_text()
@@ -82,15 +74,3 @@ def test_the_depth_cursor_follows_the_pointer(page):
     depth_m = float(re.search(r"([\d.]+) m deep in snow", readout)[1])
     # Snow of 340 kg m-3; rounded to 0.1 ns and 1 cm.
     assert abs(depth_m - 0.299792458 * delay_ns / (2 * 1.2873)) < 0.02
-
-
-def test_nothing_is_wider_than_the_screen(page):
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-def test_a_figure_opens_large_and_escape_closes_it(page):
-    page.locator(".zoom").first.focus()
-    page.keyboard.press("Enter")
-    assert page.locator("dialog img").evaluate("image => image.naturalWidth") > 0
-    page.keyboard.press("Escape")
-    page.locator("dialog").wait_for(state="detached", timeout=5000)

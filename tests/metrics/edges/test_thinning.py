@@ -1,19 +1,10 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import array_shapes, arrays
 from numpy.testing import assert_array_equal
 from scipy.ndimage import gaussian_filter, label
 from skimage.morphology import thin as thin_of_skimage
 
 from snowsim.metrics.edges import thin
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.booleans()))
-def test_thinning_equals_scikit_image_on_any_small_map(mask):
-    assert_array_equal(thin(mask), thin_of_skimage(mask))
 
 
 @pytest.mark.parametrize("smooth", [0, 1, 2, 5])
