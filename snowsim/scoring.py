@@ -11,7 +11,7 @@ import pandas as pd
 from snowsim.echogram import layer_mask
 from snowsim.io.guard import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
-from snowsim.limits import check_values
+from snowsim.limits import check_count, check_values
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
@@ -20,7 +20,7 @@ from snowsim.progress import shown
 
 OPTIONAL = ("tolerance_bins", "bin_s")
 ABOVE_0 = ("max_distance_bins", "bin_s")
-AT_LEAST_1 = ("n_bootstrap", "processes")
+WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 SAME_TIME = np.timedelta64(1, "ms")  # of a range line in two files
 FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
@@ -121,9 +121,10 @@ def score_folders(
         "bin_s": bin_s,
     }
     for name, value in numbers.items():
-        least = 1 if name in AT_LEAST_1 else 0
-        if value is not None or name not in OPTIONAL:
-            check_values(name, value, least, above=name in ABOVE_0, number=True)
+        if name in WHOLE:
+            check_count(name, value, WHOLE[name])
+        elif value is not None or name not in OPTIONAL:
+            check_values(name, value, 0, above=name in ABOVE_0, number=True)
     truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
     with ExitStack() as stack:

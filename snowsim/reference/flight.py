@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.limits import check_values
+from snowsim.limits import check_count, check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
 from snowsim.reference.picks import pick_peaks, pick_visible, rise_db, visible_layers
@@ -33,14 +33,10 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
+    check_values("frame", frame, 0, n_frames - 1)
+    check_count("n_range_lines", n_range_lines, 2)
     kilometres = f"kilometres of {n_frames} frames of {n_range_lines} range lines"
-    limits = {
-        "frame": (frame, 0, n_frames - 1),
-        "n_range_lines": (n_range_lines, 2),
-        kilometres: (n_frames * length_km, 0, line_length_km()),
-    }
-    for name, within in limits.items():
-        check_values(name, *within)
+    check_values(kilometres, n_frames * length_km, 0, line_length_km())
     start_km = (frame + 0.5) / n_frames * line_length_km() - length_km / 2
     where = (FLIGHT_TRACK, start_km, n_range_lines, radar.surface_bin, radar.n_range_bins)
     stretch = draw_stretch(climate, settings, *where, rng=rng)

@@ -45,10 +45,10 @@ class ClimateSettings(Checked):
         0.8, 0.05, 1, "[years] of accumulation above the youngest autumn horizon"
     )
 
-    def together(self):
-        """Waves from the shortest to a longer one."""
-        longest_km = {"values": self.undulation_max_km, "low": self.undulation_min_km}
-        return {"undulation_max_km": longest_km | {"above": True}}
+    def __post_init__(self):
+        super().__post_init__()
+        least_km = self.undulation_min_km
+        check_values("climate.undulation_max_km", self.undulation_max_km, least_km, above=True)
 
 
 @dataclass(frozen=True)
@@ -104,15 +104,13 @@ class FirnSettings(Checked):
         4.0, 0, 20, "[per km of track and m of depth] number of lenses"
     )
 
-    def together(self):
-        """A median above the least; snow of the surface with a step is no denser than ice."""
-        fade = {"values": self.fade_depth_m, "low": self.fade_least_m, "above": True}
+    def __post_init__(self):
+        super().__post_init__()
+        check_values("firn.fade_depth_m", self.fade_depth_m, self.fade_least_m, above=True)
+        # Snow as dense as the surface, with the step added, is no denser than ice.
         most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
-        limits = {"fade_depth_m": fade}
         for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
-            step = {"values": getattr(self, name), "high": most}
-            limits[f"{name} on snow of the surface"] = step
-        return limits
+            check_values(f"firn.{name} on snow of the surface", getattr(self, name), high=most)
 
 
 @dataclass(frozen=True)
@@ -204,14 +202,13 @@ class RadarSettings(Checked):
         """Spacing [s] of the grid on which echoes are drawn."""
         return self.bin_size_s / self.n_sub_bins
 
-    def together(self):
-        """The surface within the window; samples of the sweep at most 1 / bandwidth apart."""
+    def __post_init__(self):
+        super().__post_init__()
         most = self.n_range_bins - 100
+        check_values("radar.surface_bin with 100 rows below it", self.surface_bin, high=most)
+        # Samples 1 / bandwidth apart are the coarsest that hold the response of the sweep.
         least = self.bin_size_s * self.bandwidth_hz
-        return {
-            "surface_bin with 100 rows below it": {"values": self.surface_bin, "high": most},
-            "n_sub_bins that sample the sweep": {"values": self.n_sub_bins, "low": least},
-        }
+        check_values("radar.n_sub_bins that sample the sweep", self.n_sub_bins, least)
 
 
 @dataclass(frozen=True)

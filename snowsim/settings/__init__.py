@@ -8,8 +8,6 @@ import math
 from dataclasses import field, fields, is_dataclass, replace
 from typing import get_args
 
-from snowsim.limits import check_values
-
 WORDS = {
     "minimum": "of at least",
     "exclusiveMinimum": "above",
@@ -55,14 +53,10 @@ class Checked:
     """Base of dataclasses of settings, which are checked when they are made.
 
     ValueError, naming the setting in its `group`, unless each has the right type and is within its
-    limits, and all keep what `together` asks.
+    limits.
     """
 
     group = ""
-
-    def together(self):
-        """What settings must be beside each other, by name: arguments of `check_values`."""
-        return {}
 
     def __post_init__(self):
         for each in fields(self):
@@ -73,8 +67,6 @@ class Checked:
             if expected:
                 msg = f"{self.group}{each.name} must {expected}, got {value!r}"
                 raise ValueError(msg)
-        for what, limits in self.together().items():
-            check_values(f"{self.group}{what}", **limits)
 
 
 def _expected(value, each):

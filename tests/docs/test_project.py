@@ -58,6 +58,13 @@ def test_readme_names_targets_and_files_that_are_there(rule_names):
         assert (ROOT / link).exists(), link
 
 
+def test_readme_is_short():
+    readme = (ROOT / "README.md").read_text()
+    assert len(readme.splitlines()) <= 150
+    assert max(map(len, readme.splitlines())) <= 120
+    assert len(readme.split()) <= 1400
+
+
 def test_commands_in_readme_are_commands_with_their_options():
     readme = (ROOT / "README.md").read_text()
     lines = re.findall(r"^snowsim (\w+) (.*)$", readme, flags=re.MULTILINE)
