@@ -10,7 +10,7 @@ import numpy as np
 import scipy.io
 import xarray as xr
 
-from snowsim.io.guard import MAXIMUM_BYTES, PNG_SIGNATURE, Refused, library_errors, listed
+from snowsim.io.guard import Refused, begins_with, check_size, library_errors
 from snowsim.io.mat5 import read_mat5
 
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
@@ -19,36 +19,32 @@ HEAP = re.compile(b"GCOL\x01")
 HEADER_BYTES = 16
 VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable"
-PIXELS = "pixels"  # the one variable of a PNG image
-KINDS = "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"
+KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
 
 
-def names_in(path, needed=()):
-    """Names of the variables a file holds; refused without all of those `needed`."""
-    path = Path(path)
+def names_in(path):
+    """Names of the variables a file holds."""
     with library_errors(path, f"content: expected {KINDS}"):
-        if path.is_dir():
-            names = {item.name for item in path.iterdir() if item.is_dir()}
-        elif h5py.is_hdf5(path):
-            check_heaps(path)
+        engine = _engine(path)
+        if engine == "netcdf4":
             with h5py.File(path) as file:
                 told = {name: str(node.attrs.get("NAME")) for name, node in file.items()}
-            names = {name for name, what in told.items() if NO_VARIABLE not in what}
-        else:
-            with path.open("rb") as file:
-                first = file.read(len(PNG_SIGNATURE))
-            if first == PNG_SIGNATURE:
-                names = {PIXELS}
-            elif first.startswith(b"CDF"):
-                with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
-                    names = set(dataset.variables)
-            else:
-                names = {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
-        missing = ", ".join(name for name in needed if name not in names)
-        if missing:
-            msg = f"{missing}: expected variables {', '.join(needed)}, found {listed(names)}"
-            raise Refused(msg)
-    return names
+            return {name for name, what in told.items() if NO_VARIABLE not in what}
+        if engine is not None:
+            with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
+                return set(dataset.variables)
+        return {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
+
+
+def _engine(path):
+    """What xarray reads a file with; None for a MAT v5 file, and v7.3 is "netcdf4", too."""
+    Path(path).stat()  # tells a file that is not there
+    if Path(path).is_dir():
+        return "zarr"
+    if h5py.is_hdf5(path):
+        check_heaps(path)
+        return "netcdf4"
+    return "scipy" if begins_with(path, b"CDF") else None
 
 
 def check_heaps(path):
@@ -56,13 +52,16 @@ def check_heaps(path):
 
     Heaps hold text and lists of references. Of 1600 damaged NetCDF files 5 had such a heap.
     """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with (
+        Path(path).open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
         for heap in HEAP.finditer(content):
             (length,) = struct.unpack_from("<Q", content, heap.start() + 8)
             end = heap.start() + length
             offset = heap.start() + HEADER_BYTES
             while offset + HEADER_BYTES <= end:
-                index, _, _, size = struct.unpack_from("<HHIQ", content, offset)
+                index, size = struct.unpack_from("<H6xQ", content, offset)
                 # The free space, object 0, counts its own header.
                 step = size if index == 0 else HEADER_BYTES + -(-size // 8) * 8
                 offset += step
@@ -71,58 +70,52 @@ def check_heaps(path):
                     raise Refused(msg)
 
 
-def read_netcdf(path, needed=()):
-    """Dataset of a NetCDF file or Zarr store, which must have what is `needed`.
+def read_netcdf(path):
+    """Dataset of a NetCDF file or Zarr store.
 
     Values come as they are stored: no fill value, scale or time is applied.
     """
-    path = Path(path)
     with library_errors(path):
-        names_in(path, needed)
-        engine = "netcdf4" if h5py.is_hdf5(path) else "zarr" if path.is_dir() else "scipy"
+        engine = _engine(path)
+        if engine == "netcdf4":
+            # As it is declared: xarray reads coordinates when it opens a file.
+            with h5py.File(path) as file:
+                check_size(sum(getattr(node, "nbytes", 0) for node in file.values()))
         with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
-            if dataset.nbytes > MAXIMUM_BYTES:
-                msg = f"expected at most {MAXIMUM_BYTES} bytes, found {dataset.nbytes}"
-                raise Refused(msg)
+            check_size(dataset.nbytes)
             return dataset.load()
 
 
-def read_matlab(path, needed, others=()):
-    """Variables of a MAT file, which must have what is `needed`, and of `others` those it has.
+def read_matlab(path, names):
+    """Those of the named variables that a MAT file has.
 
     Numbers are arrays, squeezed; text is text, a struct a dict, a cell a list. Empty arrays are
     left out.
     """
-    path = Path(path)
     with library_errors(path):
-        wanted = sorted(names_in(path, needed).intersection((*needed, *others)))
-        if h5py.is_hdf5(path):
-            with h5py.File(path) as file:
-                room = [MAXIMUM_BYTES]
-                values = {name: _plain(file[name], room) for name in wanted}
+        if _engine(path) is None:
+            values = read_mat5(path, names)
         else:
-            values = read_mat5(path, wanted)
+            with h5py.File(path) as file:
+                read = [0]
+                values = {name: _plain(file[name], read) for name in names if name in file}
     return {name: value for name, value in values.items() if getattr(value, "size", 1)}
 
 
-def _plain(node, room):
-    """A variable of a MAT v7.3 file; `room` is what may still be read, in bytes.
+def _plain(node, read):
+    """A variable of a MAT v7.3 file; `read` counts bytes of the file that were read.
 
     A file may refer to the same value any number of times.
     """
-    room[0] -= VALUE_BYTES + getattr(node, "nbytes", 0)
-    if room[0] < 0:
-        msg = f"{node.name}: expected at most {MAXIMUM_BYTES} bytes, found more"
-        raise Refused(msg)
+    read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
+    check_size(read[0])
     if isinstance(node, h5py.Group):
-        return {name: _plain(field, room) for name, field in node.items()}
-    matlab_class = node.attrs.get("MATLAB_class", b"")
+        return {name: _plain(field, read) for name, field in node.items()}
+    is_text = node.attrs.get("MATLAB_class") == b"char"
     if node.attrs.get("MATLAB_empty", 0):
         # In place of its values an empty variable stores its dimensions.
-        return "" if matlab_class == b"char" else np.empty(0)
+        return "" if is_text else np.empty(0)
     values = node[()]
     if node.dtype == h5py.ref_dtype:
-        return [_plain(node.file[reference], room) for reference in values.ravel()]
-    if matlab_class == b"char":
-        return "".join(map(chr, values.ravel()))
-    return np.squeeze(values.T)
+        return [_plain(node.file[reference], read) for reference in values.ravel()]
+    return "".join(map(chr, values.ravel())) if is_text else np.squeeze(values.T)

@@ -17,7 +17,7 @@ from pathlib import Path
 import scipy.io
 from numpy.exceptions import ComplexWarning
 
-from snowsim.io.guard import MAXIMUM_BYTES, Refused
+from snowsim.io.guard import MAXIMUM_BYTES, Refused, check_size
 
 HEADER_BYTES = 128
 COMPRESSED = 15  # type of a compressed element, in one of the four bytes behind the header
@@ -45,16 +45,14 @@ def read_mat5(path, names):
 def load(path, names):
     """The named variables as `read_mat5` gives them, read in this process."""
     for name, shape, _ in scipy.io.whosmat(path, appendmat=False):
-        n_bytes = NUMBER_BYTES * math.prod(shape)
-        if name in names and n_bytes > MAXIMUM_BYTES:
-            msg = f"{name}: expected at most {MAXIMUM_BYTES} bytes, found {n_bytes} or more"
-            raise Refused(msg)
+        if name in names:
+            check_size(NUMBER_BYTES * math.prod(shape))
     options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
     with warnings.catch_warnings():
         # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
         warnings.simplefilter("error", ComplexWarning)
         values = scipy.io.loadmat(path, variable_names=names, **options)
-    return {name: values[name] for name in names}
+    return {name: values[name] for name in names if name in values}
 
 
 if __name__ == "__main__":

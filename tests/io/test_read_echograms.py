@@ -198,14 +198,6 @@ def test_bad_values_are_refused_in_one_line(path, content, write, change, messag
     refused(read_echogram, path, message)
 
 
-@of_mat
-def test_missing_variables_are_named_all_at_once(path, content, write):
-    for name in ("Time", "Latitude", "GPS_time"):
-        del content[name]
-    write(path, content)
-    refused(read_echogram, path, "Time, Latitude, GPS_time: expected variables .*, found")
-
-
 @pytest.mark.parametrize("name", ["amplitude", "time", "fasttime", "lat"])
 def test_a_missing_variable_of_netcdf_is_named_though_a_dimension_has_its_name(path, content, name):
     formats.write_nsidc(path, content, drop=(name,))
