@@ -10,7 +10,7 @@ import numpy as np
 import scipy.io
 import xarray as xr
 
-from snowsim.io.guard import Refused, begins_with, check_size, library_errors
+from snowsim.io.guard import Refused, check_size, library_errors
 from snowsim.io.mat5 import read_mat5
 
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
@@ -24,27 +24,21 @@ KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
 
 def names_in(path):
     """Names of the variables a file holds."""
+    path = Path(path)
     with library_errors(path, f"content: expected {KINDS}"):
-        engine = _engine(path)
-        if engine == "netcdf4":
+        if path.is_dir():
+            return {item.name for item in path.iterdir() if item.is_dir()}
+        if h5py.is_hdf5(path):
+            check_heaps(path)
             with h5py.File(path) as file:
                 told = {name: str(node.attrs.get("NAME")) for name, node in file.items()}
             return {name for name, what in told.items() if NO_VARIABLE not in what}
-        if engine is not None:
-            with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
+        with path.open("rb") as file:
+            is_netcdf = file.read(3) == b"CDF"
+        if is_netcdf:
+            with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
                 return set(dataset.variables)
         return {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
-
-
-def _engine(path):
-    """What xarray reads a file with; None for a MAT v5 file, and v7.3 is "netcdf4", too."""
-    Path(path).stat()  # tells a file that is not there
-    if Path(path).is_dir():
-        return "zarr"
-    if h5py.is_hdf5(path):
-        check_heaps(path)
-        return "netcdf4"
-    return "scipy" if begins_with(path, b"CDF") else None
 
 
 def check_heaps(path):
@@ -76,8 +70,10 @@ def read_netcdf(path):
     Values come as they are stored: no fill value, scale or time is applied.
     """
     with library_errors(path):
-        engine = _engine(path)
-        if engine == "netcdf4":
+        names_in(path)  # refuses what HDF5 would read for ever
+        engine = "zarr" if Path(path).is_dir() else "scipy"
+        if h5py.is_hdf5(path):
+            engine = "netcdf4"
             # As it is declared: xarray reads coordinates when it opens a file.
             with h5py.File(path) as file:
                 check_size(sum(getattr(node, "nbytes", 0) for node in file.values()))
@@ -93,12 +89,13 @@ def read_matlab(path, names):
     left out.
     """
     with library_errors(path):
-        if _engine(path) is None:
-            values = read_mat5(path, names)
-        else:
+        wanted = names_in(path).intersection(names)
+        if h5py.is_hdf5(path):
             with h5py.File(path) as file:
                 read = [0]
-                values = {name: _plain(file[name], read) for name in names if name in file}
+                values = {name: _plain(file[name], read) for name in sorted(wanted)}
+        else:
+            values = read_mat5(path, sorted(wanted))
     return {name: value for name, value in values.items() if getattr(value, "size", 1)}
 
 

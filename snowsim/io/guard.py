@@ -72,15 +72,10 @@ def is_zarr(path):
     return any((path / name).is_file() for name in ZARR_FILES)
 
 
-def begins_with(path, signature):
-    """Whether a file is there that begins with these bytes."""
+def is_png(path):
+    """Whether a path is a PNG image."""
     path = Path(path)
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        return file.read(len(signature)) == signature
-
-
-def is_png(path):
-    """Whether a path is a PNG image."""
-    return begins_with(path, PNG_SIGNATURE)
+        return file.read(len(PNG_SIGNATURE)) == PNG_SIGNATURE

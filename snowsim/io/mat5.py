@@ -52,7 +52,7 @@ def load(path, names):
         # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
         warnings.simplefilter("error", ComplexWarning)
         values = scipy.io.loadmat(path, variable_names=names, **options)
-    return {name: values[name] for name in names if name in values}
+    return {name: values[name] for name in names}
 
 
 if __name__ == "__main__":

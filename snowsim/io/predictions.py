@@ -44,9 +44,11 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     if predictions.is_file() and truth.is_file():
         return [(_name(predictions), predictions, truth)], []
     inside = predictions / (output or "fuse")
-    if predictions.name in PICTURES or (output is not None and not inside.is_dir()):
+    is_pictures = predictions.name in PICTURES
+    if is_pictures or (output is not None and not inside.is_dir()):
         expected = f"a folder of one output ({output or ', '.join(OUTPUTS)})"
-        raise refusal(predictions, "predictions", expected, "none, or pictures of several")
+        found = "pictures of several" if is_pictures else "none"
+        raise refusal(predictions, "predictions", expected, found)
     predictions = inside if inside.is_dir() else predictions
     endings = (*ENDINGS, ".mat") if picks else ENDINGS
     made = _by_name(predictions, LABELLED if picks else MAPPED, endings)
