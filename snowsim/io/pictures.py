@@ -34,7 +34,7 @@ def write_picture(path, layers, echograms=(), accumulated=None):
     below = layers["twtt"] - surface
     times_s, depths_m = _depths(below, accumulated)
     distance, label = _distance(layers)
-    on_axes = {"slow_time": distance}
+    at = xr.DataArray(distance, {"slow_time": layers["slow_time"].values})
     if echograms:
         shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
         shown_s = xr.DataArray(np.interp(shown_m, depths_m, times_s), {"depth": shown_m})
@@ -42,19 +42,21 @@ def write_picture(path, layers, echograms=(), accumulated=None):
             [_power_db(each, surface + shown_s) for each in echograms], "slow_time"
         )
         limits = dict(zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True))
-        _draw_image(panels[0], power_db.assign_coords(on_axes), "power [dB]", cmap="gray", **limits)
+        _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **limits)
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
     panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is not None:
-        by_year = accumulated["accumulation_m_we"].assign_coords(on_axes)
-        _draw_image(panels[1], by_year, "accumulation [m w.e. / yr]")
+        by_year = accumulated["accumulation_m_we"]
+        _draw_image(panels[1], by_year, at, "accumulation [m w.e. / yr]")
         panels[1].yaxis.get_major_locator().set_params(integer=True)
     panels[-1].set(xlabel=label)
     with written_whole(path) as aside:
         figure.savefig(aside, format="png", dpi=110)
 
 
-def _draw_image(axes, image, label, **how):
+def _draw_image(axes, image, at, label, **how):
+    """Draw what there is along slow_time where its lines are along track."""
+    image = image.assign_coords(slow_time=at.sel(slow_time=image["slow_time"]).values)
     image.plot.imshow(ax=axes, x="slow_time", cbar_kwargs={"label": label}, **how)
 
 
