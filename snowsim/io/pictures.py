@@ -58,6 +58,7 @@ def _draw_image(axes, image, at, label, **how):
     """Draw what there is along slow_time where its lines are along track."""
     image = image.assign_coords(slow_time=at.sel(slow_time=image["slow_time"]).values)
     image.plot.imshow(ax=axes, x="slow_time", cbar_kwargs={"label": label}, **how)
+    axes.set(title="")
 
 
 def _draw_layers(axes, layers, distance, depth_m):
