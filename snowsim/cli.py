@@ -97,7 +97,7 @@ def scene_set(source):
     return PairSet(source) if kind == "pairs" else SceneSet(source)
 
 
-@commands.command(short_help="What a file is: its axes, layers, and the traps found in it.")
+@commands.command(short_help="What a file is, what it holds, and what to watch for.")
 @click.argument("file", type=EXISTING)
 def info(file):
     """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,

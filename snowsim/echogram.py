@@ -212,7 +212,7 @@ def check_echogram(echogram, where="echogram"):
         msg += f"got {data[at]} at {at}"
         raise ValueError(msg)
     # A mask has two levels; the first rows tell power without a look at the rest.
-    is_whole = all((part == np.rint(part)).all() for part in (data[:2], data))
+    is_whole = (data[:2] == np.rint(data[:2])).all() and (data == np.rint(data)).all()
     if is_whole and 2 <= data.max() <= 255 and data.min() < data.max():
         msg = f"{where}: Data: expected linear power, found whole numbers of 8 bits: grey levels?"
         raise ValueError(msg)

@@ -17,7 +17,7 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import echogram, read_echogram
-from snowsim.io.guard import existing, is_png, is_zarr, refusal
+from snowsim.io.guard import is_png, refusal
 from snowsim.io.images import read_image
 from snowsim.io.layer_files import (
     layer_numbers,
@@ -340,8 +340,7 @@ def _check_outputs(path, folder, named, png, force):
 
 def _read(path, bin_s):
     """Echogram dataset of a file, or of a PNG image with `bin_s`."""
-    path = existing(path, directory=True)
-    if (path.is_dir() and not is_zarr(path)) or not is_png(path):
+    if not is_png(path):
         return read_echogram(path)
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")

@@ -103,14 +103,14 @@ def test_a_real_core_of_summit_is_read(shared_data):
         ("", "table: expected text with a header"),
         ("depth_cm,hardness\n5,310", "density: expected one column .* found depth_cm, hardness"),
         ("depth_cm,density_a,density_b\n5,1,2", "density: expected one column .*--density-column"),
-        ("depth,density\n5,310", "depth: expected its unit in the header, m or cm or mm, or --d"),
-        ("depth_m,density_lb\n.5,20", "density: expected its unit .* found density_lb"),
+        ("depth,density\n5,310", "depth : expected m, cm, mm in the header, or --depth-unit"),
+        ("depth_m,density_lb\n.5,20", "density_lb : expected kg m-3, g cm-3 in the header, or --d"),
         ("depth_m,density\n5,soft", "density: expected numbers, found 'soft' in row 1"),
         (
             "depth_m,density\n0,310\n2,310\n1,320",
             r"depth_m must increase: extents must be finite, above 0, got -1 at \(1,\)",
         ),
-        ("depth_cm,density\n10,310\n20,320", "expected top, middle or bottom .* 0.1 m of 0.1 m"),
+        ("depth_cm,density\n10,310\n20,320", "expected top, bottom, middle in the header, or --d"),
         (
             "top_cm,bottom_cm,density\n0,10,310\n5,20,320",
             "samples must not overlap: distances must .* got -0.05 at",

@@ -4,12 +4,13 @@ Layers on the lines of an echogram, flagged lines out, level, one bin size.
 """
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import bin_size_s, check_choice, layer_bins_of
 
-HOLE = 3.0  # in the lines of a layer file, in its median spacings
+REACH = 1.5  # of a line of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
 # Not here by default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB
@@ -31,29 +32,31 @@ def align_layers(layers, echogram, where="layers"):
 
     `where` names them in messages.
 
-    `twtt` is linear between neighbouring picks, NaN where either is missing, and in holes of their
-    lines, of more than `HOLE` of their spacings, but within one of the ends; `quality` and `type`
-    are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
+    `twtt` is linear between neighbouring picks, NaN where either is missing, and further from the
+    nearest of their lines than `REACH` of their spacings; `quality` and `type` are those of that
+    line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
     not cover the echogram's time span to within one of their own lines, or if one lies outside the
     echogram's window.
     """
-    theirs_s, ours_s = _seconds(layers, echogram, where)
-    spacing_s = np.median(np.diff(theirs_s))
-    right = np.clip(np.searchsorted(theirs_s, ours_s, side="right"), 1, theirs_s.size - 1)
-    step_s = np.diff(theirs_s)[right - 1]
-    nearer = np.where(ours_s - theirs_s[right - 1] < step_s / 2, right - 1, right)
-    is_far = np.abs(ours_s - theirs_s[nearer]) > spacing_s
-
-    def at_lines(values):
-        # Where a line of theirs is, its own value, though a neighbour may be missing.
-        between = np.interp(ours_s, theirs_s, values)
-        by_hole = np.where(is_far, np.nan, values[nearer])
-        return np.where(step_s > HOLE * spacing_s, by_hole, between)
-
-    twtt = np.array([at_lines(row) for row in layers["twtt"].transpose("layer", ...).values])
+    first_time, last_time = echogram["slow_time"].values[[0, -1]]
+    theirs_s, ours_s = (
+        (dataset["slow_time"].values - first_time) / np.timedelta64(1, "s")
+        for dataset in (layers, echogram)
+    )
+    spacing_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else -np.inf
+    if theirs_s[0] > spacing_s or theirs_s[-1] + spacing_s < ours_s[-1]:
+        msg = f"{where}: slow_time: expected to cover {first_time} to {last_time}, found "
+        msg += f"{theirs_s.size} lines, {theirs_s[0]:.6g} to {theirs_s[-1]:.6g} s from the first on"
+        raise ValueError(msg)
+    nearest = pd.Index(theirs_s).get_indexer(ours_s, method="nearest")
+    picked = layers.transpose("layer", ...)
+    # Where a line of theirs is, its own value, though a neighbour may be missing.
+    twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
+    twtt[:, np.abs(ours_s - theirs_s[nearest]) > REACH * spacing_s] = np.nan
     if "Elevation" in layers:
-        rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
+        their_m = np.interp(ours_s, theirs_s, layers["Elevation"].values)
+        rise_m = echogram["Elevation"].values - their_m
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
     half_bin = bin_size_s(echogram) / 2
     first, last = echogram["twtt"].values[[0, -1]]
@@ -64,27 +67,11 @@ def align_layers(layers, echogram, where="layers"):
         raise ValueError(msg)
     variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
     for name in ("quality", "type"):
-        flags = layers[name].transpose("layer", "slow_time")
-        variables[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
+        variables[name] = picked[name][:, nearest].variable
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
     of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
     coordinates = {"slow_time": echogram["slow_time"].values, **of_layers}
     return xr.Dataset(variables, coordinates, layers.attrs)
-
-
-def _seconds(layers, echogram, where):
-    """Times of both from the first line of the echogram, which layers must cover, two (line,)."""
-    first, last = echogram["slow_time"].values[[0, -1]]
-    theirs, ours = (
-        (dataset["slow_time"].values - first) / np.timedelta64(1, "s")
-        for dataset in (layers, echogram)
-    )
-    spacing_s = np.median(np.diff(theirs)) if theirs.size > 1 else -np.inf
-    if theirs[0] > spacing_s or theirs[-1] + spacing_s < ours[-1]:
-        msg = f"{where}: slow_time: expected to cover {first} to {last}, found {theirs.size} "
-        msg += f"lines, {theirs[0]:.6g} to {theirs[-1]:.6g} s from the first on"
-        raise ValueError(msg)
-    return theirs, ours
 
 
 def flatten(echogram, layers, *, method="surface"):
@@ -103,26 +90,21 @@ def flatten(echogram, layers, *, method="surface"):
         return echogram, layers
     bin_s = bin_size_s(echogram)
     if method == "surface":
-        shift = _level(layer_bins_of(layers, echogram)[0], "layer 0 (the snow surface)")
+        bins = layer_bins_of(layers, echogram)[0]
     else:
-        bin_in_air_m = SPEED_OF_LIGHT_M_S / 2 * bin_s
-        shift = _level(echogram["Elevation"].values / bin_in_air_m, "Elevation")
-    if not shift.any():
-        return echogram, layers
-    return shifted(echogram, shift), _delayed(layers, ("twtt",), shift * bin_s)
-
-
-def _level(bins, what):
-    """Whole shift of every line that puts `bins` into the row of their median; gaps are bridged."""
+        bins = echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s)
     known = np.isfinite(bins)
     if not known.any():
-        msg = f"{what} is nowhere known, so the frame cannot be levelled"
+        msg = f"{method} is nowhere known, so the frame cannot be levelled"
         raise ValueError(msg)
     lines = np.arange(bins.size)
     # Halves go up, not to even: a shift by whole bins must not change how a row is rounded.
     bridged = np.interp(lines, lines[known], bins[known])
     rows = np.floor(bridged + 0.5).astype(int)
-    return int(np.floor(np.median(rows))) - rows
+    shift = int(np.floor(np.median(rows))) - rows
+    if not shift.any():
+        return echogram, layers
+    return shifted(echogram, shift), _delayed(layers, ("twtt",), shift * bin_s)
 
 
 def shifted(echogram, shift):

@@ -50,15 +50,12 @@ def read_echogram(path, *, compensated=False):
     from snowsim.io import cresis, datasets, nsidc, sniff
 
     with library_errors(path):
-        kind = sniff.sniff(path)
+        kind = sniff.sniff(path, sniff.ECHOGRAMS)
         if kind == "nsidc":
             return nsidc.read_nsidc(path, compensated=compensated)
         if kind == "cresis":
             return cresis.read_cresis(path, compensated=compensated)
-        if kind == "opr":
-            return datasets.read_opr(path)
-    expected = "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)"
-    raise refusal(path, "format", expected, sniff.in_words(kind))
+        return datasets.read_opr(path)
 
 
 def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
@@ -160,10 +157,8 @@ def read_layers(path, *, names=None, missing="refuse"):
     }
     names = [names] if isinstance(names, str) else names
     with library_errors(path):
-        kind = sniff.sniff(path)
-        if kind in readers:
-            return layers.chosen(readers[kind](path), names, missing, path)
-    raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))
+        kind = sniff.sniff(path, readers)
+        return layers.chosen(readers[kind](path), names, missing, path)
 
 
 def open_segment(paths):

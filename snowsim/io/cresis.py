@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from snowsim.io.containers import names_in, read_matlab
+from snowsim.io.containers import read_matlab
 from snowsim.io.datasets import PARAMETERS, echogram_dataset, undo_compensation, utc_times
 from snowsim.io.guard import Refused, library_errors
 
-NEEDED = ("Data", "Time", "Latitude", "Longitude", "Elevation")
 ALONG_TRACK = (
     "Latitude",
     "Longitude",
@@ -18,7 +17,7 @@ ALONG_TRACK = (
     "Heading",
     "Elevation_Correction",
 )
-IF_ANY = ("GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
+OTHERS = ("Data", "Time", "GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
 # Parameter structs by age; the newest that has a name is believed.
 PARAMETER_STRUCTS = (
     "param_records",
@@ -42,8 +41,7 @@ def read_cresis(path, *, compensated=False):
     * maxData + minData``. `Time` may be row or column; surface, attitude and `Bottom` may be
     missing. GPS seconds lose their leap seconds.
     """
-    needed = NEEDED if "UTC_time" in names_in(path) else (*NEEDED, "GPS_time")
-    values = read_matlab(path, needed, (*ALONG_TRACK, *IF_ANY, *PARAMETER_STRUCTS))
+    values = read_matlab(path, (*OTHERS, *ALONG_TRACK, *PARAMETER_STRUCTS))
     is_gps = "GPS_time" in values
     time = np.ravel(values["Time"]).astype(float)
     kept = np.ravel(values.get("Truncate_Bins", np.arange(time.size) + 1)) - 1

@@ -100,7 +100,7 @@ def read_opr(path):
 
     Decibels, if the units of `Data` say so, become linear power.
     """
-    dataset = load_opr(path, ("Data", "twtt", "slow_time", "Latitude", "Longitude", "Elevation"))
+    dataset = load_opr(path)
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
         power = power_of(dataset["Data"].values.astype(float), path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
@@ -111,14 +111,20 @@ def read_opr(path):
     return dataset.transpose("twtt", "slow_time", ...)
 
 
-def load_opr(path, needed):
+def load_opr(path):
     """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds."""
-    dataset = xr.decode_cf(read_netcdf(path, needed), decode_timedelta=False).load()
-    unit = str(dataset["twtt"].attrs.get("units") or "s").lower()
-    with library_errors(path, f"twtt: expected {', '.join(SECONDS)}"):
-        if SECONDS[unit] != 1:
-            dataset["twtt"] = (dataset["twtt"] * SECONDS[unit]).assign_attrs(units="s")
-    return dataset
+    dataset = xr.decode_cf(read_netcdf(path), decode_timedelta=False).load()
+    twtt = in_seconds(dataset["twtt"], "s")
+    return dataset if twtt.equals(dataset["twtt"]) else dataset.assign(twtt=twtt)
+
+
+def in_seconds(times, unit):
+    """A variable in seconds; in this unit if the file tells none."""
+    unit = str(times.attrs.get("units") or unit).strip().lower()
+    if unit not in SECONDS:
+        msg = f"{times.name}: expected {', '.join(SECONDS)}, found {unit}"
+        raise Refused(msg)
+    return times if SECONDS[unit] == 1 else (times * SECONDS[unit]).assign_attrs(units="s")
 
 
 def utc_times(seconds, epoch="1970-01-01", *, gps=False):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import check_choice
+from snowsim.echogram import check_choice, layer_mask
 from snowsim.io.files import write_bytes, write_dataset, written_whole
 from snowsim.io.guard import refusal
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
@@ -71,18 +71,16 @@ def layer_numbers(layer_bins, n_range_bins):
     The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded
     bin; of two layers at one pixel, the lower. Layers outside the window leave no pixel.
     """
-    layer_bins = np.asarray(layer_bins, dtype=float)
-    if layer_bins.shape[0] > MAXIMUM_NUMBER:
-        msg = f"layer numbers hold at most {MAXIMUM_NUMBER} layers, got {layer_bins.shape[0]}"
+    if len(layer_bins) > MAXIMUM_NUMBER:
+        msg = f"layer numbers hold at most {MAXIMUM_NUMBER} layers, got {len(layer_bins)}"
         raise ValueError(msg)
-    numbers = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=np.uint8)
-    n_drawn = 0
+    numbers = np.zeros((n_range_bins, np.shape(layer_bins)[1]), dtype=np.uint8)
+    n_merged = 0
     for number, bins in enumerate(layer_bins, start=1):
-        # NaN, where the layer is absent, is not inside.
-        lines = np.flatnonzero((bins > -0.5) & (bins < n_range_bins - 0.5))
-        numbers[np.rint(bins[lines]).astype(int), lines] = number
-        n_drawn += lines.size
-    return numbers, n_drawn - int(np.count_nonzero(numbers))
+        drawn = layer_mask([bins], n_range_bins)
+        n_merged += int(np.count_nonzero(numbers[drawn]))
+        numbers[drawn] = number
+    return numbers, n_merged
 
 
 def export_netcdf(folder, scenes, *, list_name="all.lst"):

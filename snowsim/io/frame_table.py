@@ -12,7 +12,7 @@ from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
-from snowsim.io.guard import library_errors, one_line, refusal
+from snowsim.io.guard import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among
 from snowsim.progress import shown
 
@@ -48,12 +48,13 @@ def read_frames(path):
     for name in ("echogram", "layers"):
         files = [path.parent / file if file else "" for file in table[name]]
         table[name] = [os.path.abspath(file) if file else "" for file in files]
-    _report(path, _troubles(table), len(table))
+    failed = _troubles(table)
+    report(failed, f"{path}: {len(failed)} of {len(table)} frames fail")
     return table
 
 
 def _troubles(table):
-    """Pairs of a frame that fails and the first reason for it."""
+    """Lines of frames that fail, each with the first reason for it."""
     real = table["echogram"].map(os.path.realpath)
     # To track a frame is no use of its data.
     role = table["role"].mask(table["role"] == TRACK)
@@ -73,10 +74,9 @@ def _troubles(table):
     ]
     failed = {}
     for column, words, fails in checks:
-        for number in np.flatnonzero(fails):
-            row = table.iloc[number]
-            reason = f"{column}: {words} {row[column] or 'none'}"
-            failed.setdefault(number, (row["frame"] or f"row {number + 1}", reason))
+        for number, row in table[fails].iterrows():
+            name = row["frame"] or f"row {number + 1}"
+            failed.setdefault(number, f"{name}: {column}: {words} {row[column] or 'none'}")
     return [failed[number] for number in sorted(failed)]
 
 
@@ -97,25 +97,24 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     table = table[table["role"] != TRACK]
     rows = []
     failed = []
-    missing = dict.fromkeys(options.get("layer_names") or ())
+    layer_names = options.get("layer_names") or ()
+    missing = set(layer_names)
     for row in shown(table.itertuples(), len(table), unit="frame"):
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
             rows.append(_summary(row, echogram, layers, blocks=blocks))
+            missing -= set(layers["layer"].values[layers["twtt"].notnull().any("slow_time")])
         except ValueError as error:
-            failed.append((row.frame, str(error)))
-        else:
-            for name in layers["layer"].values[np.isfinite(layers["twtt"]).any("slow_time")]:
-                missing.pop(name, None)
+            failed.append(f"{row.frame}: {error}")
     found = pd.DataFrame(rows or {"frame": [], "bin_size_s": []})
     usual_s = found["bin_size_s"].median()
     for row in found[(found["bin_size_s"] / usual_s - 1).abs() > 1e-6].itertuples():
-        sizes = f"expected {usual_s:.6g} s as in most, found {row.bin_size_s:.6g} s"
-        failed.append((row.frame, f"bin size: {sizes}"))
+        expected = f"bin size: expected {usual_s:.6g} s as in most"
+        failed.append(f"{row.frame}: {expected}, found {row.bin_size_s:.6g} s")
     if not failed:
         reason = "layer_names: expected layers that some frame has, found it in none"
-        failed = [(name, reason) for name in missing]
-    _report("frames", failed, len(table))
+        failed = [f"{name}: {reason}" for name in layer_names if name in missing]
+    report(failed, f"frames: {len(failed)} of {len(table)} frames fail")
     return table.merge(found, on="frame", validate="one_to_one")
 
 
@@ -174,9 +173,8 @@ def read_frame(
     """
     for flag in flagged_by:
         check_choice("flagged_by", flag, sniff.SUPPLEMENT_FLAGS)
-    kind = source and sniff.sniff(row.echogram)
-    if kind != source:
-        raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
+    if source is not None:
+        sniff.sniff(row.echogram, [source])
     echogram = read_echogram(row.echogram)
     layers = _layers_from_surface(row.layers, layer_names)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
@@ -224,10 +222,3 @@ def each_frame(table, role=None, **options):
     for row in table.itertuples():
         if role is None or row.role == role:
             yield read_frame(row, **options)
-
-
-def _report(path, failed, n_frames):
-    if failed:
-        lines = [f"{path}: {len(failed)} of {n_frames} frames fail"]
-        lines += [f"{name}: {line}" for name, line in failed]
-        raise ValueError("\n".join(lines))

@@ -30,6 +30,12 @@ def one_line(text, limit=400):
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
+def report(failed, head):
+    """Raise one ValueError of all lines that failed, if any did, after one that counts them."""
+    if failed:
+        raise ValueError("\n".join([head, *failed]))
+
+
 @contextmanager
 def library_errors(path, expected="expected a whole file"):
     """Turn whatever is wrong with a file within the block into a `BadFile`, a ValueError.
@@ -49,14 +55,6 @@ def library_errors(path, expected="expected a whole file"):
         raise BadFile(one_line(f"{path}: {told}")) from error
 
 
-def existing(path, *, directory=False):
-    """The path as `Path`; ValueError if nothing is there, or a directory where a file belongs."""
-    path = Path(path)
-    if not path.exists() or (path.is_dir() and not directory):
-        raise refusal(path, "path", "a file", "a directory" if path.is_dir() else "nothing")
-    return path
-
-
 def listed(names):
     """Names in order of the alphabet, as a message tells them."""
     return one_line(", ".join(sorted(names)) or "none", 200)
@@ -68,6 +66,9 @@ def is_zarr(path):
 
 
 def is_png(path):
-    """Whether a file is a PNG image."""
-    with Path(path).open("rb") as file:
+    """Whether a path is a PNG image."""
+    path = Path(path)
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
         return file.read(len(PNG_SIGNATURE)) == PNG_SIGNATURE

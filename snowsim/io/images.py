@@ -38,10 +38,8 @@ def read_image(path, expected="8-bit grey"):
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
                 msg = f"PNG: expected {expected}, found mode {file.mode}"
                 raise Refused(msg)
-        numbers = {}
-        for name, kind in NUMBERS_IN_TEXT.items():
-            if name in texts:
-                numbers[name] = kind(texts[name])
+        held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
+        numbers = {name: kind(texts[name]) for name, kind in held.items()}
     return colours[..., 0], numbers
 
 

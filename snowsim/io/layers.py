@@ -23,7 +23,9 @@ PICKS = {
     "type": {"flag_values": "1 manual, 2 automatic"},
 }
 GOOD, MANUAL, AUTOMATIC = 1, 1, 2
-POSITIONS = {"Latitude": "lat", "Longitude": "lon", "Elevation": "elev"}
+# Of new files' names those of old ones, and of Open Polar Radar.
+RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
+POSITIONS = ("Latitude", "Longitude", "Elevation")
 
 
 def read_cresis_layers(path):
@@ -32,19 +34,18 @@ def read_cresis_layers(path):
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
     comes twice), without one they are "id 1", "id 2", ...
     """
-    others = ("quality", "type", *POSITIONS.values())
-    values = read_matlab(path, ("gps_time", "id", "twtt"), others)
+    values = read_matlab(path, ("id", *PICKS, *RENAMED))
+    values = {RENAMED.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         msg = "twtt: expected at least one layer with picks, found no layer (MATLAB_empty)"
         raise Refused(msg)
     ids = np.ravel(values["id"])
-    shape = (ids.size, np.size(values["gps_time"]))
+    shape = (ids.size, np.size(values["GPS_time"]))
     absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
     picks = {name: np.atleast_2d((absent | values)[name]) for name in PICKS}
-    picks |= {name: values[theirs] for name, theirs in POSITIONS.items() if theirs in values}
     named = _organized(path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
-    return _layers_dataset(picks, names, values["gps_time"], "CReSIS layer")
+    return _layers_dataset(values, picks, names, "CReSIS layer")
 
 
 def read_cresis_layer_data(path):
@@ -53,7 +54,7 @@ def read_cresis_layer_data(path):
     Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
     2. Entries without a name are the surface and the bottom, in this order, as the format has it.
     """
-    values = read_matlab(path, ("GPS_time", "layerData"), tuple(POSITIONS))
+    values = read_matlab(path, ("GPS_time", "layerData", *POSITIONS))
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
     n_lines = np.size(values["GPS_time"])
@@ -68,8 +69,7 @@ def read_cresis_layer_data(path):
         picks["type"].append(np.where(is_manual, MANUAL, AUTOMATIC))
         unnamed = OLD_NAMES[number] if number < len(OLD_NAMES) else f"layer {number + 1}"
         names.append((_text(entry.get("name")) or unnamed, _text(entry.get("group_name"))))
-    picks |= {name: values[name] for name in POSITIONS if name in values}
-    return _layers_dataset(picks, names, values["GPS_time"], "CReSIS layerData")
+    return _layers_dataset(values, picks, names, "CReSIS layerData")
 
 
 def read_opr_layers(path):
@@ -77,7 +77,7 @@ def read_opr_layers(path):
 
     A single layer without a `layer` dimension gets one.
     """
-    dataset = load_opr(path, ("twtt", "slow_time", "quality", "type"))
+    dataset = load_opr(path)
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
@@ -126,12 +126,11 @@ def order_from_surface(twtt, names):
         depth = twtt - twtt.iloc[surface]
     depth = depth.median(axis=1).fillna(twtt.median(axis=1))
     order = []
-    left = list(range(len(names)))
+    left = list(depth.sort_values(kind="stable").index)
     while left:
         free = [layer for layer in left if not above[left, layer].any()]
-        shallowest = min(free or left, key=depth.__getitem__)
-        order.append(shallowest)
-        left.remove(shallowest)
+        order.append((free or left)[0])
+        left.remove(order[-1])
     return np.array(order)
 
 
@@ -154,7 +153,7 @@ def _organized(path):
     organizer = find_organizer(path)
     if organizer is None:
         return {}
-    values = read_matlab(organizer, ("lyr_id", "lyr_name"), ("lyr_group_name",))
+    values = read_matlab(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
     ids = np.ravel(values["lyr_id"])
     cells = (values["lyr_name"], values.get("lyr_group_name", [""] * ids.size))
     # One cell alone comes as what it holds.
@@ -167,18 +166,19 @@ def _text(value):
     return value if isinstance(value, str) else ""
 
 
-def _layers_dataset(content, names, gps_time, source):
-    """Dataset of all layers of a CReSIS file: picks and positions, and (name, group) of layers."""
+def _layers_dataset(values, picks, names, source):
+    """Dataset of all layers of a CReSIS file, of its values, picks and (name, group) of layers."""
     plain, groups = zip(*names, strict=True)
     full = [f"{group}:{name}" if plain.count(name) > 1 else name for name, group in names]
-    variables = {"slow_time": utc_times(gps_time, gps=True), "layer": np.array(full, str)}
+    variables = {"slow_time": utc_times(values["GPS_time"], gps=True)}
+    variables["layer"] = np.array(full, str)
     variables["group"] = ("layer", np.array(groups, str))
-    for name, values in content.items():
-        if name in PICKS:
-            variables[name] = (AXES, np.array(values, dtype=float), PICKS[name])
-        else:
-            along_track = np.ravel(values).astype(float)
-            variables[name] = ("slow_time", along_track, {"units": UNITS[name]})
+    for name, attributes in PICKS.items():
+        variables[name] = (AXES, np.array(picks[name], dtype=float), attributes)
+    for name in POSITIONS:
+        if name in values:
+            position = np.ravel(values[name]).astype(float)
+            variables[name] = ("slow_time", position, {"units": UNITS[name]})
     dataset = xr.Dataset(variables, attrs={"source_format": source}).set_coords("group")
     for name in ("quality", "type"):
         flags = dataset[name].fillna(0)

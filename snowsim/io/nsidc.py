@@ -8,15 +8,14 @@ import numpy as np
 from snowsim.io.containers import read_netcdf
 from snowsim.io.datasets import (
     PARAMETERS,
-    SECONDS,
     echogram_dataset,
+    in_seconds,
     undo_compensation,
     utc_times,
 )
 from snowsim.io.guard import Refused, library_errors
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
 
-NEEDED = ("amplitude", "time", "fasttime", "lat", "lon", "altitude")
 ALONG_TRACK = {
     "lat": "Latitude",
     "lon": "Longitude",
@@ -41,17 +40,14 @@ def read_nsidc(path, *, compensated=False):
     (slow_time) is flag i of its `flag_meanings`.
     """
     # As stored: no fill value is set in these files, and a default one must not hide a value.
-    stored = read_netcdf(path, NEEDED)
+    stored = read_netcdf(path)
     axes = (*stored["fasttime"].dims, *stored["time"].dims)
     seconds_of_day = np.ravel(stored["time"]).astype(float)
     midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
     epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
-    unit = str(stored["fasttime"].attrs.get("units") or "us").strip().lower()
-    with library_errors(path, f"fasttime: expected {', '.join(SECONDS)}"):
-        twtt = np.ravel(stored["fasttime"]) * SECONDS[unit]
     content = {
         "Data": stored["amplitude"].transpose(*axes).values,
-        "twtt": twtt,
+        "twtt": in_seconds(stored["fasttime"], "us").values,
         "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
     }
     for theirs, ours in ALONG_TRACK.items():
@@ -87,13 +83,14 @@ def find_supplement(path):
 def _quality_mask(path, n_lines):
     """Flags of a supplement, set for a frame as a whole or line by line."""
     stored = read_netcdf(path)
-    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
-    mask = np.zeros(n_lines, dtype=np.uint8)
+    flags = np.zeros((len(SUPPLEMENT_FLAGS), n_lines), dtype=bool)
     with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
             msg = f"supplement: expected flags {', '.join(SUPPLEMENT_FLAGS)}, found none of them"
             raise Refused(msg)
-        for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
+        for row, name in enumerate(SUPPLEMENT_FLAGS):
             if name in stored:
-                mask |= bit * (stored[name].values != 0).astype(np.uint8)
+                flags[row] = stored[name].values != 0
+    (mask,) = np.packbits(flags, axis=0, bitorder="little")
+    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}

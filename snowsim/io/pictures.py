@@ -31,37 +31,34 @@ def write_picture(path, layers, echograms=(), accumulated=None):
     panels = figure.subplots(n_panels, sharex=True, squeeze=False)[:, 0]
     layers = layers.transpose("layer", "slow_time", ...)
     surface = layers["twtt"][0]
+    below = layers["twtt"] - surface
+    times_s, depths_m = _depths(below, accumulated)
     distance, label = _distance(layers)
-    times_s, depths_m = _depths(layers["twtt"] - surface, accumulated)
-    depth_m = np.interp(layers["twtt"] - surface, times_s, depths_m)
-    extent = (distance[0], distance[-1], depths_m[-1], depths_m[0])
+    at = xr.DataArray(distance, {"slow_time": layers["slow_time"].values})
     if echograms:
         shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
-        below = xr.DataArray(np.interp(shown_m, depths_m, times_s), dims="depth")
-        power_db = np.concatenate([_power_db(each, surface + below) for each in echograms], axis=1)
+        shown_s = xr.DataArray(np.interp(shown_m, depths_m, times_s), {"depth": shown_m})
+        power_db = xr.concat(
+            [_power_db(each, surface + shown_s) for each in echograms], "slow_time"
+        )
         limits = dict(zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True))
-        _draw_image(panels[0], power_db, extent, "power [dB]", cmap="gray", **limits)
-    _draw_layers(panels[0], layers, distance, depth_m)
-    panels[0].set(ylim=extent[2:], ylabel="depth [m]")
-    panels[-1].set(xlabel=label)
+        _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **limits)
+    _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
+    panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is not None:
-        _draw_years(panels[1], accumulated, extent[:2])
+        by_year = accumulated["accumulation_m_we"]
+        _draw_image(panels[1], by_year, at, "accumulation [m w.e. / yr]")
+        panels[1].yaxis.get_major_locator().set_params(integer=True)
+    panels[-1].set(xlabel=label)
     with written_whole(path) as aside:
         figure.savefig(aside, format="png", dpi=110)
 
 
-def _draw_image(axes, values, extent, label, **how):
-    image = axes.imshow(values, extent=extent, aspect="auto", interpolation="nearest", **how)
-    axes.figure.colorbar(image, ax=axes, label=label)
-
-
-def _draw_years(axes, accumulated, ends):
-    """Draw accumulation (year, range_line) from one end of the track to the other."""
-    newest, *_, oldest = accumulated["year"].values
-    extent = (*ends, oldest - 0.5, newest + 0.5)
-    _draw_image(axes, accumulated["accumulation_m_we"], extent, "accumulation [m w.e. / yr]")
-    axes.set(ylabel="year")
-    axes.yaxis.get_major_locator().set_params(integer=True)
+def _draw_image(axes, image, at, label, **how):
+    """Draw what there is along slow_time where its lines are along track."""
+    image = image.assign_coords(slow_time=at.sel(slow_time=image["slow_time"]).values)
+    image.plot.imshow(ax=axes, x="slow_time", cbar_kwargs={"label": label}, **how)
+    axes.set(title="")
 
 
 def _draw_layers(axes, layers, distance, depth_m):
@@ -96,7 +93,7 @@ def _depths(below, accumulated):
 
 def _power_db(echogram, twtt):
     """Power [dB] of a frame at travel times (depth, slow_time) of its lines, NaN beyond it."""
-    at = twtt.sel(slow_time=echogram["slow_time"]).transpose("depth", "slow_time")
+    at = twtt.sel(slow_time=echogram["slow_time"])
     power = echogram["Data"].sel(twtt=at, slow_time=at["slow_time"], method="nearest")
     inside = (at >= echogram["twtt"][0]) & (at <= echogram["twtt"][-1]) & (power > 0)
-    return to_db(power.where(inside)).values
+    return to_db(power.where(inside))

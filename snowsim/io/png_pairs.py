@@ -1,4 +1,4 @@
-"""The published benchmark's pairs of image and labels, as PNG or MAT v7.3, read scene by scene."""
+"""The published benchmark's pairs of image and labels, as PNG or MAT, read scene by scene."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,7 +8,7 @@ import pandas as pd
 
 from snowsim.echogram import Scene, check_choice, check_layer_bins, to_uint8
 from snowsim.io.containers import read_matlab
-from snowsim.io.guard import is_png, library_errors, listed, refusal
+from snowsim.io.guard import is_png, library_errors, listed, refusal, report
 from snowsim.io.images import read_image, read_mask
 from snowsim.progress import shown
 
@@ -60,11 +60,10 @@ class PairSet(Sequence):
     def __getitem__(self, item):
         return read_pair(self._paths[item], data_scale=self._data_scale)
 
-    def files(self, item):
-        """Files a scene, or a slice of scenes, is read from: images and labels."""
-        paths = self._paths[item] if isinstance(item, slice) else [self._paths[item]]
-        beside = [_beside(path, prefix) for path in paths for prefix in LABEL_PREFIXES]
-        return paths + [path for path in beside if path is not None]
+    def files(self, span):
+        """Files a slice of scenes is read from: images and labels."""
+        paths = self._paths[span]
+        return paths + [label for path in paths for label in labels_beside(path)]
 
     def check(self):
         """Read every scene once; one ValueError names all that fail.
@@ -80,18 +79,16 @@ class PairSet(Sequence):
             except ValueError as error:
                 failed.append(str(error))
                 continue
-            row = {"name": scene.name, "n_range_bins": scene.n_range_bins}
-            row |= {"n_range_lines": scene.n_range_lines, "n_layers": len(scene.layer_bins)}
-            rows.append(row | {"tells_db": tells_db(scene)})
+            sizes = {"n_range_bins": scene.n_range_bins, "n_range_lines": scene.n_range_lines}
+            told = {"n_layers": len(scene.layer_bins), "tells_db": tells_db(scene)}
+            rows.append({"name": scene.name} | sizes | told)
         widths = [row["n_range_lines"] for row in rows]
         usual = max(widths, key=widths.count, default=None)
         expected = f"width: expected {usual} range lines as in most"
         for row in rows:
             if row["n_range_lines"] != usual:
                 failed.append(f"{row['name']}: {expected}, found {row['n_range_lines']}")
-        if failed:
-            msg = "\n".join([f"{len(failed)} of {len(self)} scenes fail:", *failed])
-            raise ValueError(msg)
+        report(failed, f"{len(failed)} of {len(self)} scenes fail:")
         return rows
 
 
@@ -113,12 +110,8 @@ def read_pair(path, *, data_scale=None):
     """
     path = Path(path)
     with library_errors(path):
-        if is_png(path):
-            image, numbers = read_image(path)
-            label, drawn = png_labels(path)
-        else:
-            image, numbers = _mat_image(path, data_scale)
-            label, drawn = _mat_labels(path)
+        image, numbers = read_image(path) if is_png(path) else _mat_image(path, data_scale)
+        label, drawn = pair_labels(path)
     if drawn.shape != image.shape:
         raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)
     layer_bins = layers_of_labels(drawn, label)
@@ -160,24 +153,36 @@ def layers_of_labels(drawn, where="labels"):
     return middles.reindex(range(1, n_layers + 1)).reindex(columns=range(drawn.shape[1])).to_numpy()
 
 
-def _beside(path, prefix):
-    """The label file named after an image, or None."""
-    label = path.with_name(prefix + path.name.removeprefix("data_"))
-    return label if path.name.startswith("data_") and label.is_file() else None
+def labels_beside(path):
+    """Label files named after an image `data_*`: of layer numbers, of a mask."""
+    name = path.name.removeprefix("data_")
+    labels = [path.with_name(prefix + name) for prefix in LABEL_PREFIXES]
+    return [label for label in labels if label.is_file()]
 
 
-def png_labels(path):
-    """File and labels of an image `data_*`; where numbers and a mask are there, they must agree."""
-    numbered, binary = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
-    if numbered is None and binary is None:
+def pair_labels(path):
+    """File and labels of an image `data_*`: uint8 layer numbers, or a mask of bool.
+
+    They are beside it, or within it if it is a MAT file. Numbers and a mask must agree.
+    """
+    first, *others = labels_beside(path) or [path]
+    if first == path and path.suffix == ".png":
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
-    mask = None if binary is None else read_mask(binary)
-    if numbered is None:
-        return binary, mask
-    numbers, _ = read_image(numbered)
-    if mask is not None and not np.array_equal(mask, numbers > 0):
-        raise refusal(binary, "mask", f"what {numbered.name} has", "a difference")
-    return numbered, numbers
+    drawn = _drawn_labels(first)
+    for other in others:
+        if not np.array_equal(_drawn_labels(other), drawn > 0):
+            raise refusal(other, "mask", f"what {first.name} has", "a difference")
+    return first, drawn
+
+
+def _drawn_labels(path):
+    is_mask = path.name.startswith("layer_binary_")
+    if path.suffix == ".png":
+        return read_mask(path) if is_mask else read_image(path)[0]
+    values = np.atleast_2d(read_matlab(path, ("layer",))["layer"])
+    if not _is_8_bit(values):
+        raise refusal(path, "layer", "whole numbers from 0 to 255", values.dtype)
+    return values > 0 if is_mask or values.dtype == bool else values.astype(np.uint8)
 
 
 def _mat_image(path, data_scale):
@@ -186,22 +191,11 @@ def _mat_image(path, data_scale):
     if data_scale is None and _is_8_bit(data):
         return data.astype(np.uint8), {}
     scale = "db" if data.min() < 0 else data_scale
-    if scale not in DATA_SCALES:
+    if scale is None:
         raise refusal(path, "data", f"whole numbers to 255, or data_scale of {DATA_SCALES}", scale)
     power = 10 ** (data / 10) if scale == "db" else data.astype(float)
     image, noise_floor_db, maximum_db = to_uint8(power)
     return image, {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
-
-
-def _mat_labels(path):
-    """File and labels of a MAT file beside an image, or of its own."""
-    beside = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
-    label = next((file for file in beside if file is not None), path)
-    values = np.atleast_2d(read_matlab(label, ("layer",))["layer"])
-    if not _is_8_bit(values):
-        raise refusal(label, "layer", "whole numbers from 0 to 255", values.dtype)
-    is_mask = values.dtype == bool or label.name.startswith("layer_binary_")
-    return label, values > 0 if is_mask else values.astype(np.uint8)
 
 
 def _is_8_bit(values):

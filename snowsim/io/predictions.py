@@ -12,7 +12,7 @@ from snowsim.io import read_layers
 from snowsim.io.containers import names_in, read_netcdf
 from snowsim.io.guard import library_errors, listed, refusal
 from snowsim.io.images import ANY_GREY, read_image
-from snowsim.io.png_pairs import layers_of_labels, png_labels
+from snowsim.io.png_pairs import layers_of_labels, pair_labels
 
 ENDINGS = (".png", ".npy", ".nc")
 # Of the published predictor, beside its outputs: sums and strips of them.
@@ -20,7 +20,7 @@ PICTURES = ("merge", "jpg_out")
 # How names of files begin, those of labels first.
 LABELLED = ("layer_binary_", "layer_", "scene_", "", "data_")
 MAPPED = ("", "scene_", "data_", "layer_", "layer_binary_")  # the same of edge maps
-NAME = re.compile(f"({'|'.join(sorted(LABELLED, reverse=True))})(.*)")
+NAME = re.compile("(layer_binary_|layer_|data_|scene_|)(?:scene_)?(.*?)(?:_layers)?")
 # Beside the layers that `snowsim track` writes: its pictures, and what names a segment's layers.
 NO_LAYERS = re.compile(r".*_picks\.png|layer_\d{8}_\d{2}\.mat")
 # Variables of NetCDF files.
@@ -57,9 +57,8 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     if len(alone) == len(made):
         expected = f"files {', '.join(endings)}, each with a truth of its name in {truth}"
         raise refusal(predictions, "pairs", expected, f"{len(made)}: {listed(alone)}")
-    true = [name for name, path in truths.items() if not path.stem.startswith("data_")]
-    paired = made.keys() & truths.keys() | set(true)
-    return [(name, made.get(name), truths[name]) for name in sorted(paired)], alone
+    pairs = [(name, made.get(name), truths[name]) for name in sorted(truths)]
+    return [pair for pair in pairs if pair[1] or not pair[2].stem.startswith("data_")], alone
 
 
 def _by_name(folder, order, endings):
@@ -68,20 +67,20 @@ def _by_name(folder, order, endings):
     Two of the same stem are refused.
     """
     held = [path for path in sorted(folder.glob("[!.]*")) if path.suffix in endings]
-    paths = [path for path in held if not NO_LAYERS.fullmatch(path.name)]
-    stems = [path.stem for path in paths]
-    twice = [path.name for path in paths if stems.count(path.stem) > 1]
+    held = [path for path in held if not NO_LAYERS.fullmatch(path.name)]
+    paths = {path.stem: path for path in held}
+    twice = [path.name for path in held if paths[path.stem] != path]
     if twice or not folder.is_dir():
         raise refusal(folder, "path", "a folder of files whose names differ", listed(twice))
     files = {}
-    for path in sorted(paths, key=lambda path: order.index(NAME.match(path.stem)[1])):
-        files.setdefault(_name(path), path)
+    for stem in sorted(paths, key=lambda stem: order.index(NAME.fullmatch(stem)[1])):
+        files.setdefault(_name(paths[stem]), paths[stem])
     return files
 
 
 def _name(path):
     """What follows the prefix; a scene may be called scene_NAME, layers NAME_layers, too."""
-    return NAME.match(path.stem)[2].removeprefix("scene_").removesuffix("_layers")
+    return NAME.fullmatch(path.stem)[2]
 
 
 def read_map(path):
@@ -140,7 +139,8 @@ def read_labels(path, shape=None, image=None):
     `image` that must fit the labels.
     """
     if path.suffix == ".png" and path.stem.startswith("layer_"):
-        _, drawn = png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"))
+        name = path.stem.removeprefix("layer_").removeprefix("binary_")
+        _, drawn = pair_labels(path.with_stem(f"data_{name}"))
     else:
         name, values = read_array(path, LABELS, least_rows=0)
         drawn = None if name == "layer_bins" else _drawn(values, path.suffix == ".png")
@@ -174,7 +174,9 @@ def _drawn(values, is_image):
 def read_array(path, names=(), least_rows=1):
     """Name (of a variable) and values of the array in a .png, .npy or NetCDF file.
 
-    Axes of length 1 beyond two, as those of a batch, are left out.
+    A NetCDF file has the first of the variables `names`, or one image alone; axes that have names
+    come with the range, or the layers, first. Axes of length 1 beyond two, as those of a batch, are
+    left out.
     """
     name = ""
     if path.suffix == ".png":
@@ -184,7 +186,14 @@ def read_array(path, names=(), least_rows=1):
             # Mapped: a header that declares more than the file has is refused before room is made.
             values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
     else:
-        name, values = _variable(path, names)
+        stored = read_netcdf(path)
+        images = [name for name, variable in stored.variables.items() if variable.ndim == 2]
+        name, *others = [name for name in names if name in stored] or images or [""]
+        if name not in stored or (name not in names and others):
+            expected = f"one of {', '.join(names)}, or one image alone"
+            raise refusal(path, "variables", expected, listed(map(str, stored.variables)))
+        down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
+        values = stored[name].transpose(*down, ...).values
     alone = [axis for axis, length in enumerate(values.shape) if length == 1]
     values = np.squeeze(values, tuple(alone[: max(values.ndim - 2, 0)]))
     is_array = values.ndim == 2 and len(values) >= least_rows and values.shape[1] > 0
@@ -192,19 +201,3 @@ def read_array(path, names=(), least_rows=1):
         found = f"shape {values.shape} of {values.dtype}"
         raise refusal(path, name or "array", "numbers, down range and along track", found)
     return name, values
-
-
-def _variable(path, names):
-    """Name and values of the first of the variables a NetCDF file has, or of its only image.
-
-    Axes that have names come with the range, or the layers, first.
-    """
-    stored = read_netcdf(path)
-    known = [name for name in names if name in stored]
-    images = [name for name, variable in stored.variables.items() if variable.ndim == 2]
-    if not known and len(images) != 1:
-        expected = f"one of {', '.join(names)}, or one image alone"
-        raise refusal(path, "variables", expected, listed(map(str, stored.variables)))
-    name = (known or images)[0]
-    down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
-    return name, stored[name].transpose(*down, ...).values

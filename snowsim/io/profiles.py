@@ -10,10 +10,7 @@ import pandas as pd
 from snowsim.echogram import check_choice
 from snowsim.io.guard import library_errors, listed, refusal
 
-UNITS = {
-    "depth": {"m": 1.0, "cm": 0.01, "mm": 0.001},
-    "density": {"kg m-3": 1.0, "g cm-3": 1000.0},
-}
+FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "kg m-3": 1.0, "g cm-3": 1000.0}
 # Largest densities that fit one unit alone.
 MOST_G_CM3 = 1.0
 LEAST_KG_M3 = 60.0
@@ -23,9 +20,14 @@ THICKNESS = r"\bthickness\b"
 TOP = r"\b(top|upper|from)\b"
 BOTTOM = r"\b(bottom|base|lower|to)\b"
 MIDDLE = r"\b(mid|middle|centre|center)\b"
-PLACES = {"top": TOP, "bottom": BOTTOM, "middle": MIDDLE}
 DEPTH = rf"\bdepth\b|{TOP}|{BOTTOM}|{MIDDLE}"
 NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
+# What a header says of a column, or an option in its place.
+CHOICES = {
+    "depth_unit": {"m": r"\bm\b", "cm": r"\bcm\b", "mm": r"\bmm\b"},
+    "density_unit": {"kg m-3": "kg ?m ?3", "g cm-3": r"\bg ?c(m ?3|c)"},
+    "depth_of": {"top": TOP, "bottom": BOTTOM, "middle": MIDDLE},
+}
 # A first depth up to this share of the first sample is of a middle.
 MOST_OF_MIDDLE = 0.75
 
@@ -71,15 +73,18 @@ def read_profile(
         beside = _named(others, THICKNESS)[:1]
         depth = _column(path, others.drop(columns=beside), "depth", DEPTH, depth_column)
     values, below = _numbers(path, table[[depth, density, *beside]])
-    depth_unit = _unit(path, "depth", depth, below, depth_unit)
-    density_unit = _unit(path, "density", density, below, density_unit, _fitting(values[density]))
-    density_kg_m3 = UNITS["density"][density_unit] * values[density].to_numpy()
-    in_m = UNITS["depth"][depth_unit] * values.drop(columns=density)
+    depth_words = f"{depth} {below.get(depth, '')}"
+    depth_unit = _choice(path, depth_words, "depth_unit", depth_unit)
+    density_words = f"{density} {below.get(density, '')}"
+    fitting = _fitting(values[density])
+    density_unit = _choice(path, density_words, "density_unit", density_unit, fitting)
+    density_kg_m3 = FACTORS[density_unit] * values[density].to_numpy()
+    in_m = FACTORS[depth_unit] * values.drop(columns=density)
     depth_m = in_m[depth].to_numpy()
     thickness_m = in_m[beside[0]].to_numpy() if beside else None
     if of_both_ends:
         thickness_m = thickness_m - depth_m
-    place = _place(path, depth, depth_of, depth_m, thickness_m)
+    place = _choice(path, depth, "depth_of", depth_of, _likely_place(depth_m, thickness_m))
     middle_m, thickness_m = _middles(depth_m, thickness_m, place)
     n_missing = np.isnan(density_kg_m3).sum()
     note = f"{path}: {depth_m.size} samples down to {depth_m[-1]:.4g} m, {n_missing} missing, "
@@ -139,32 +144,24 @@ def _numbers(path, texts):
     return (numbers[::-1] if falls else numbers), below
 
 
-def _unit(path, quantity, column, below, given, fitting=None):
-    """Unit as the header says, as given, or as it fits values."""
-    words = _words(f"{column} {below.get(column, '')}").split()
-    letters = "".join(words)
-    told = None
-    if quantity == "depth":
-        told = next((word for word in reversed(words) if word in UNITS["depth"]), None)
-    elif "kgm3" in letters:
-        told = "kg m-3"
-    elif "gcm3" in letters or "gcc" in letters:
-        told = "g cm-3"
-    unit = _agreed(path, column, f"{quantity}_unit", told, given, UNITS[quantity]) or fitting
-    if unit is None:
-        expected = f"its unit in the header, {' or '.join(UNITS[quantity])}, or --{quantity}-unit"
-        raise refusal(path, quantity, expected, column)
-    return unit
+def _choice(path, column, option, given, likely=None):
+    """One of the choices as the header tells, an option says, or is likely, in this order.
 
-
-def _agreed(path, column, option, told, given, choices):
-    """One of the choices, as a header tells or an option says; refused where these differ."""
+    Refused where header and option differ, or none says it.
+    """
+    choices = CHOICES[option]
+    words = _words(column)
+    told = [choice for choice, pattern in choices.items() if re.search(pattern, words)]
     if given is not None:
         check_choice(option, given, choices)
-    if None not in (told, given) and told != given:
-        option = option.replace("_", "-")
-        raise refusal(path, column, f"--{option} {told}, as the header says", given)
-    return told or given
+    option = option.replace("_", "-")
+    if given is not None and told and told[-1] != given:
+        raise refusal(path, column, f"--{option} {told[-1]}, as the header says", given)
+    chosen = told[-1] if told else given or likely
+    if chosen is None:
+        expected = f"{', '.join(choices)} in the header, or --{option}"
+        raise refusal(path, column, expected, "none")
+    return chosen
 
 
 def _fitting(density):
@@ -175,22 +172,13 @@ def _fitting(density):
     return "kg m-3" if most >= LEAST_KG_M3 else None
 
 
-def _place(path, column, given, depth_m, thickness_m):
-    """Of which end of samples depths are: "top", "bottom" or "middle"."""
-    words = _words(column)
-    told = next((place for place, said in PLACES.items() if re.search(said, words)), None)
-    place = _agreed(path, column, "depth_of", told, given, PLACES)
-    if place:
-        return place
+def _likely_place(depth_m, thickness_m):
+    """Of which end of samples depths are, as the first of them tells, or None."""
     first_m = depth_m[0]
     sample_m = np.diff(depth_m, append=np.inf)[0] if thickness_m is None else thickness_m[0]
-    if 0 < first_m <= MOST_OF_MIDDLE * sample_m:
-        return "middle"
-    if first_m != 0:
-        expected = "top, middle or bottom in its name, or --depth-of, as the first depth is "
-        expected += "neither 0 nor of the middle of a sample"
-        raise refusal(path, column, expected, f"{first_m:.4g} m of {sample_m:.4g} m")
-    return "top"
+    if first_m == 0:
+        return "top"
+    return "middle" if 0 < first_m <= MOST_OF_MIDDLE * sample_m else None
 
 
 def _middles(depth_m, thickness_m, place):

@@ -45,6 +45,8 @@ ECHOES = {
     "decay_factor": ("f8", "scene", "1"),
     "speckle_correlation": ("f8", "scene", "1"),
 }
+# Which variable tells how many rows another has.
+COUNTED = {"layer_bins": "n_layers", "complete_layer_bins": "n_complete_layers", "kind": "n_rows"}
 # How many rows a scene has along a dimension.
 COUNTS = {
     "pixel_row": "n_range_bins",
@@ -67,8 +69,8 @@ def write_scenes(path, scenes, attributes=None):
         file.format = FORMAT
         file.setncatts(attributes or {})
         for scene in scenes:
-            values = _values(scene)
-            echoes = {} if scene.echoes is None else _echo_values(scene.echoes)
+            values = _values(scene, SCENE)
+            echoes = _values(scene.echoes, ECHOES)
             if not file.dimensions:
                 file.createDimension("scene", None)
                 file.createDimension("range_line", scene.n_range_lines)
@@ -92,20 +94,14 @@ def write_scenes(path, scenes, attributes=None):
             raise ValueError(msg)
 
 
-def _values(scene):
-    """What the file holds of a scene, by name."""
-    values = {name: getattr(scene, name, None) for name in SCENE}
-    values["notes"] = json.dumps(scene.notes, sort_keys=True)
-    values["n_layers"] = len(scene.layer_bins)
-    if scene.complete_layer_bins is not None:
-        values["n_complete_layers"] = len(scene.complete_layer_bins)
-    return {name: value for name, value in values.items() if value is not None}
-
-
-def _echo_values(echoes):
-    """What the file holds of a scene's echoes, by name."""
-    values = {name: getattr(echoes, name, None) for name in ECHOES}
-    values["n_rows"] = len(echoes.kind)
+def _values(record, table):
+    """What the file holds of a scene, or of its echoes if it has any, by name."""
+    values = {name: getattr(record, name, None) for name in table}
+    for name, count in COUNTED.items():
+        if values.get(name) is not None:
+            values[count] = len(values[name])
+    if "notes" in values:
+        values["notes"] = json.dumps(record.notes, sort_keys=True)
     return {name: value for name, value in values.items() if value is not None}
 
 
@@ -186,11 +182,9 @@ class SceneSet:
             for echoes in held:
                 del echoes["n_rows"]
                 values["echoes"] = Echoes(**echoes)
-            for name in ("layer_bins", "complete_layer_bins"):
-                if name in values:
+            for name, count in COUNTED.items():
+                if values.pop(count, None) is not None:
                     values[name] = values[name].astype(float)
-            for count in ("n_layers", "n_complete_layers"):
-                values.pop(count, None)
             return Scene(**values | {"notes": json.loads(values["notes"])})
 
     def close(self):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from snowsim import __version__
 from snowsim.io.files import write_bytes
-from snowsim.io.guard import Refused, existing, library_errors, refusal
+from snowsim.io.guard import Refused, library_errors, refusal
 
 FORMAT = "snowsim tracker 1"
 
@@ -37,7 +37,7 @@ def read_tracker(path):
     ValueError, in a line, unless the card is whole, of this format and of this very network.
     """
     path = Path(path)
-    path_to_card = existing(path.with_suffix(".json"))
+    path_to_card = path.with_suffix(".json")
     with library_errors(path_to_card, "card: expected JSON"):
         card = json.loads(path_to_card.read_text(encoding="utf-8"))
         found = card.get("format") if isinstance(card, dict) else card

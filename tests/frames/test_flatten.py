@@ -4,7 +4,7 @@ from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.echogram import check_echogram, check_layers, layer_bins_of
 from snowsim.frames import align_layers, flatten, resample_range
 
 
@@ -138,18 +138,6 @@ def test_gaps_of_the_surface_are_bridged_and_one_that_is_nowhere_picked_is_refus
     layers["twtt"][0] = np.nan
     with pytest.raises(ValueError, match="nowhere known"):
         flatten(echogram, layers)
-
-
-@pytest.mark.parametrize("ratio", [0.3, 1, 1.7, 3.25])
-def test_resampling_keeps_a_constant_and_has_the_bin_size_asked_for(rng, ratio):
-    echogram, _ = make_frame(rng)
-    echogram["Data"][:] = 0.25
-    resampled = resample_range(echogram, ratio * BIN_S)
-    check_echogram(resampled)
-    assert_allclose(bin_size_s(resampled), ratio * BIN_S, rtol=1e-10)
-    # Sums of 200 float64 values, handed back as float32.
-    assert_allclose(resampled["Data"], 0.25, rtol=1e-7)
-    assert (resampled is echogram) == (ratio == 1)
 
 
 @pytest.mark.parametrize("ratio", [2.6, 3])

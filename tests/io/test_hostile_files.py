@@ -8,7 +8,6 @@ import h5py
 import netCDF4
 import numpy as np
 import pytest
-import scipy.io
 from formats import of_mat, refused
 
 from snowsim.io import read_echogram, read_layers
@@ -28,7 +27,7 @@ def test_function_handles_among_parameters_do_no_harm_and_are_no_data(path, cont
         file.create_group("Data/function_handle")
     refused(read_echogram, path, "Data|MAT file")
     real = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
-    assert read_matlab(real, ("param",))["param"]["day_seg"] == "20181030_01"
+    assert read_matlab(real, ["param"])["param"]["day_seg"] == "20181030_01"
 
 
 def test_complex_power_is_refused_and_not_stripped_of_its_imaginary_part(path, content):
@@ -74,7 +73,7 @@ def test_references_in_circles_are_refused(path):
         file["b"][...] = file["layerData"].ref
         file["GPS_time"] = np.zeros((3, 1))
     # Followed to the end it would never end.
-    refused(read_layers, path, "RecursionError|bytes in all, found more")
+    refused(read_layers, path, "RecursionError|expected at most")
 
 
 @pytest.mark.parametrize("read", [read_echogram, SceneSet])
@@ -108,7 +107,7 @@ def test_a_wrong_type_is_named(path, content, write, value):
         (b"\x89HDF\r\n\x1a\n", "content: expected MAT v5"),
         (b"MATLAB 5.0".ljust(124) + b"\x00\x01IM", "variables: expected those of an echogram"),
         (b"CDF\x01" + bytes(4), "expected"),
-        (b"GIF89a", "content: expected MAT v5, MAT v7.3, NetCDF, PNG or Zarr, found"),
+        (b"GIF89a", "content: expected MAT v5, MAT v7.3, NetCDF or Zarr, found"),
     ],
     ids=["missing", "empty", "hdf5 head", "mat head", "netcdf head", "gif"],
 )
@@ -117,14 +116,6 @@ def test_what_is_no_data_file_is_refused(path, call, content, message):
         path.write_bytes(content)
     refused(call, path, message)
     refused(call, path.parent, "variables: expected those of an echogram or of layers, found none")
-
-
-def test_a_file_kept_uncompressed_is_read_as_a_compressed_one(path, content):
-    for compress in (False, True):
-        formats.write_mat5(path, content, compress=compress)
-        echogram = read_echogram(path)
-        assert np.array_equal(echogram["Data"], content["Data"])
-        assert scipy.io.whosmat(path)
 
 
 def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):

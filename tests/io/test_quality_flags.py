@@ -3,13 +3,11 @@
 import formats
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
 from runs import CONFIG
 
 from lib.configuration import read_schema
 from snowsim.frames import FLAGGED_BY
-from snowsim.io import read_echogram
-from snowsim.io.frame_table import check_frames, read_frame, scenes_of_frame
+from snowsim.io.frame_table import check_frames, read_frame
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
 
 N_LINES = 520  # blocks of 256 lines begin at 0 and 250
@@ -55,18 +53,6 @@ def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table
     assert table["flags"].tolist() == [*flags, ""]
 
 
-def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, rows):
-    echogram, layers = read_frame(rows[2])
-    supplement(flight, 2, low_SNR=1, land_ice=1, deconvolution_artifact=1)
-    same_echogram, same_layers = read_frame(rows[2])
-    assert same_layers.identical(layers)
-    assert same_echogram["Data"].identical(echogram["Data"])
-    scenes, _ = scenes_of_frame(rows[2], echogram, layers)
-    same_scenes, skipped = scenes_of_frame(rows[2], same_echogram, same_layers)
-    assert len(same_scenes) == len(scenes)
-    assert skipped == {}
-
-
 def test_frames_flagged_throughout_are_refused_by_name_all_in_one_go(flight, table):
     supplement(flight, 0, no_good_data=1)
     supplement(flight, 2, unclassified_artifact=1, land_ice=1)
@@ -89,10 +75,3 @@ def test_a_frame_left_without_a_scene_is_named_with_the_reason(flight, table, ro
         check_frames(table, blocks=True)
     with pytest.raises(ValueError, match="flagged_by must be one of .*, got 'zero_padding'"):
         read_frame(rows[0], flagged_by=["zero_padding"])
-
-
-def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight, rows):
-    supplement(flight, 0, missing_data=by_line(7))
-    read_echogram(flight / "statistics.nc").to_netcdf(flight / "again.nc")
-    found = read_frame(rows[0]._replace(echogram=flight / "again.nc"))[0]
-    assert_array_equal(found["flagged"], by_line(7) > 0)

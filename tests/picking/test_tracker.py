@@ -333,7 +333,7 @@ def test_a_card_that_is_no_json_or_missing_is_refused(tmp_path):
     with pytest.raises(ValueError, match="card: expected JSON"):
         Tracker.load(path)
     path.with_suffix(".json").unlink()
-    with pytest.raises(ValueError, match="expected a file, found nothing"):
+    with pytest.raises(ValueError, match="card: expected JSON, found FileNotFoundError"):
         Tracker.load(path)
 
 
