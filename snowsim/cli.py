@@ -101,8 +101,8 @@ def scene_set(source):
 @click.argument("file", type=EXISTING)
 def info(file):
     """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
-    statistics, an image or an array, or a folder of image pairs or exported scenes; its axes and
-    layers, and the traps found in it.
+    statistics, an image or an array, or a folder of image pairs or exported scenes; what it holds,
+    and what to watch for.
 
     \b
     Examples:
