@@ -464,7 +464,7 @@ def track(files, folder, **options):
     "years",
     multiple=True,
     required=True,
-    help="Of the uppermost horizon, 2011, or of a layer, snow_3=2008.",
+    help="Of the first horizon below the surface, 2011, or of a layer, snow_3=2008.",
 )
 @click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
 @click.option(
@@ -494,8 +494,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     rows = table(found)
     write_table(path, rows)
     click.echo(
-        f"{path}: {len(rows)} rows of {found.sizes['year']} years, that of {found['year'][0]:d} "
-        f"below {found.attrs['uppermost']}; "
+        f"{path}: {len(rows)} rows of {found.sizes['year']} years; uppermost horizon "
+        f"{found.attrs['uppermost']}; no horizons: {found.attrs['no_horizon'] or 'none'}; "
         f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
     )
     if png:
@@ -514,7 +514,7 @@ def density_of(text):
 
 
 def year_of(texts):
-    """Year of the uppermost horizon, or of layers by name, as an option tells them."""
+    """Year of the first horizon, or of layers by name, as an option tells them."""
     if len(texts) == 1 and "=" not in texts[0]:
         return click.INT(texts[0])
     named = (text.partition("=") for text in texts)

@@ -29,6 +29,7 @@ MISSED = 0.7  # factor of the odds for each year between two picks
 NO_HORIZON = 0.4
 USUAL_CONFIDENCE = 0.75  # of picks that come without one
 LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
+KNOWN_DOUBT = 1e-9  # that of the surface and of layers whose year is given
 MOST_YEARS = 12  # largest number of years between two picks
 IMPOSSIBLE = -30.0  # log-likelihood of a negative number of years
 N_TIMES = 500  # travel times at which depth is tabulated
@@ -69,8 +70,8 @@ def accumulation(
         Density of the snow [kg m-3], 50 to 917; or a profile of density, below whose end no pick is
         used.
     year : int or mapping of str to int
-        Year of the uppermost horizon, or years of layers by name: ``{"snow_3": 2008}``. The snow of
-        a year lies below the horizon of that year.
+        Year of the first horizon below the surface, picked or not, or years of layers by name:
+        ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year.
     temperature_k : float, optional
         Annual mean temperature of the firn. If given, `density` is that at the surface, below 550,
         and density grows with depth by Herron & Langway (1980), under the mean accumulation found
@@ -90,12 +91,13 @@ def accumulation(
         - `n_years`, the number of years between the picks that bound it: thickness and accumulation
           are means over these years; and `confidence`, the probability of this number;
         - `flag`: 1 where that probability is below 80 %; 2 where this is so for a count higher up,
-          which makes the age uncertain; 3 where both hold.
+          from the surface on, which makes the age uncertain; 3 where both hold.
 
-        `open_m_we` (slow_time) is the mass above the uppermost horizon, not a whole year.
-        `depth_at` (below_s) is the depth [m] at travel times below the surface. `attrs` hold
-        `uppermost`, the name of the uppermost horizon, and `n_below_profile`, the number of picks
-        below the end of a profile.
+        `open_m_we` (slow_time) is the mass above the first horizon, not a whole year. `depth_at`
+        (below_s) is the depth [m] at travel times below the surface. `attrs` hold `uppermost`, the
+        horizon that is uppermost on most range lines, with its year, ``snow_2=2011``; `no_horizon`,
+        names of layers that are taken for none; and `n_below_profile`, the number of picks below
+        the end of a profile.
 
     Raises
     ------
@@ -108,10 +110,12 @@ def accumulation(
     The travel time to depth z below the mass w [m w.e.] is ``t = (2 / c) (z + 0.845 w)`` (Kovacs,
     Gow & Morey 1995). The number of years between two picks follows from their mass over the
     typical annual mass, a median along track and in depth: the mass of n years scatters by s
-    n^(1/2), where s is the scatter of single years. A layer has one age along the whole track.
+    n^(1/2), where s is the scatter of single years. Years are counted from the surface down, so
+    that a pick in the tail of its echo is no horizon. A layer has one age along the whole track.
     Range lines on which different layers lie above it vote for this age, by their log-likelihood. A
     pick that is more probably no horizon is left out. Then all is repeated with the typical mass
-    that these ages give.
+    that these ages give. Where most picks are of crusts between horizons, half a year counts as
+    one, and accumulation is halved without a flag: compare a core, or a layer of known age.
 
     The errors of both picks, each half of ``twtt_high - twtt_low``, and of density add in squares;
     a relative error e of density counts as ``e / n`` with the refractive index n. Picks lie 1.2 to
@@ -123,11 +127,11 @@ def accumulation(
     for _ in range(N_ROUNDS if temperature_k is not None else 1):
         column = _column(density, temperature_k, mean_m)
         dated = _dated(column.at(column.water_m, picks.below_s), picks, year)
-        if not (dated.above >= 0).any():
+        if not dated.whole.any():
             msg = "layers: expected two horizons on a range line above "
             msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
-        mean_m = float(np.nanmean(dated.span_m / dated.n_years))
+        mean_m = float(np.nanmean(dated.year_m))
     return _by_year(layers, picks, column, dated, density_error)
 
 
@@ -143,7 +147,7 @@ def table(accumulated):
 
 @dataclass(frozen=True, eq=False)
 class _Picks:
-    """Picks that are used, and the names of their layers.
+    """The surface and the picks that are used, and the names of their layers.
 
     On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
     `doubt` the probability that no layer lies there.
@@ -156,7 +160,7 @@ class _Picks:
 
 
 def _picks(layers, least_confidence):
-    """`_Picks` of a dataset, without the surface; layers without a pick are left out."""
+    """`_Picks` of a dataset; layers without a pick are left out."""
     check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...)
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
@@ -168,10 +172,10 @@ def _picks(layers, least_confidence):
     doubt = 1 - layers.get("confidence", 0 * twtt + USUAL_CONFIDENCE)
     error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
     below = (twtt - twtt[0]).where(doubt <= 1 - least_confidence)
-    picked = below.notnull().any("slow_time").values
-    # Without any pick one layer stays, so that arrays are not empty.
-    kept = 1 + np.flatnonzero(picked[1:] if picked[1:].any() else [True])
-    values = (each.values[kept] for each in (below, error, doubt.clip(LEAST_DOUBT)))
+    doubt = doubt.clip(LEAST_DOUBT)
+    below[0], doubt[0] = 0, KNOWN_DOUBT
+    kept = np.flatnonzero(below.notnull().any("slow_time"))
+    values = (each.values[kept] for each in (below, error, doubt))
     return _Picks([names[n] for n in kept], *values)
 
 
@@ -216,10 +220,10 @@ def _column(density, temperature_k, mean_m):
 class _Dated:
     """Ages of horizons, and the spans between each and the next above it on the same range line.
 
-    `newest` is the year of the horizon of age 0; `age` (layer,) is how many years a layer is older.
-    On (layer, range_line): `above` is the layer that bounds a span from above, -1 where there is
-    none, `span_m` its mass [m w.e.], `n_years` its number of years and `sure` the probability of
-    this number.
+    `newest` is the year of the first horizon; `age` (layer,) is how many years a layer is older, -1
+    for the surface. On (layer, range_line): `above` is the layer that bounds a span from above, 0
+    for the surface, -1 where there is none; `span_m` its mass [m w.e.], `n_years` its number of
+    years and `sure` the probability of this number.
     """
 
     newest: int
@@ -229,28 +233,42 @@ class _Dated:
     n_years: np.ndarray
     sure: np.ndarray
 
+    @property
+    def whole(self):
+        """Whether a span lies between two horizons; below the surface lies no whole year."""
+        return self.above > 0
+
+    @property
+    def year_m(self):
+        """Mass of a year [m w.e.] (layer, range_line), NaN where a span is not whole."""
+        return np.where(self.whole, self.span_m / self.n_years, np.nan)
+
 
 def _dated(water_m, picks, year):
     """`_Dated` from the mass above picks (layer, range_line) [m w.e.]."""
-    known = year if hasattr(year, "items") else {picks.names[0]: year}
+    known = year if hasattr(year, "items") else {picks.names[0]: year + 1}
     given = {layer: known[name] for layer, name in enumerate(picks.names) if name in known}
     if not len(given) == len(known) > 0 or (np.diff(list(given.values())) >= 0).any():
         msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, and years "
         msg += f"that fall from each to the next, found {known}"
         raise ValueError(msg)
     first, *_ = given
-    typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
+    doubt = picks.doubt.copy()
+    doubt[list(given)] = KNOWN_DOUBT
+    typical_m = _typical(np.diff(np.sort(water_m[1:], axis=0), axis=0))
     forced = {}
     for _ in range(N_ROUNDS):
-        age, above = _vote(water_m, picks.doubt, typical_m, forced)
-        forced = {layer: age[first] + given[first] - value for layer, value in given.items()}
+        age, above = _vote(water_m / typical_m, doubt, forced)
+        newest = int(given[first] + age[first])
+        forced = {layer: newest - value for layer, value in given.items()}
         bounded = above >= 0
         span_m = np.where(bounded, water_m - np.take_along_axis(water_m, above, axis=0), np.nan)
         n_years = np.where(bounded, age[:, None] - age[above], np.nan)
-        doubt = np.maximum(picks.doubt, np.take_along_axis(picks.doubt, above, axis=0))
-        sure = _probability(span_m / typical_m, n_years, doubt)
-        typical_m = _typical(span_m / n_years)
-    return _Dated(int(given[first] + age[first]), age, above, span_m, n_years, sure)
+        either = np.maximum(doubt, np.take_along_axis(doubt, above, axis=0))
+        sure = _probability(span_m / typical_m, n_years, either)
+        dated = _Dated(newest, age, above, span_m, n_years, sure)
+        typical_m = _typical(dated.year_m)
+    return dated
 
 
 def _typical(year_m):
@@ -276,29 +294,26 @@ def _probability(ratio, n_years, doubt):
     return likelihood[2] / sum(likelihood)
 
 
-def _vote(water_m, doubt, typical_m, forced):
-    """Age of layers [years], and the layer above each pick, -1 for none.
+def _vote(years, doubt, forced):
+    """Age of layers, and the layer above each pick, from the mass above it in typical years.
 
-    Layers are dated from the surface down, by the mass since the last horizon on each range line. A
-    layer with no horizon above it is compared with the uppermost layer, which has the age 0.
+    Layers are dated from the surface down, by the mass since the last horizon on each range line.
+    A layer of no horizon has the age of the one above it; it bounds no span.
     """
-    years = water_m / typical_m
-    age = np.zeros(len(years))
+    age = np.full(len(years), -1.0)
     above = np.full(years.shape, -1)
     # On each range line: the last horizon, its age, and the mass above it in typical years.
-    last = np.full(typical_m.size, -1)
-    last_age = np.full(typical_m.size, -1.0)
-    last_years = np.full(typical_m.size, np.nan)
-    for layer, own in enumerate(years):
-        bounded = np.isfinite(own - last_years)
+    last = np.zeros(years.shape[1], dtype=int)
+    last_age = np.full(last.size, -1.0)
+    last_years = np.zeros(last.size)
+    for layer, own in enumerate(years[1:], start=1):
+        there = np.isfinite(own)
         if layer in forced:
             age[layer] = forced[layer]
-        elif bounded.any():
-            doubtful = np.median(doubt[layer, bounded])
-            age[layer] = _elected((own - last_years)[bounded], last_age[bounded], doubtful)
-        elif np.isfinite(own).any():
-            age[layer] = max(0, np.rint(np.nanmedian(own) - np.nanmedian(years[0])))
-        deeper = np.isfinite(own) & (age[layer] > last_age)
+        elif there.any():
+            doubtful = np.median(doubt[layer, there])
+            age[layer] = _elected((own - last_years)[there], last_age[there], doubtful)
+        deeper = there & (age[layer] > last_age)
         above[layer, deeper] = last[deeper]
         last[deeper] = layer
         last_age[deeper] = age[layer]
@@ -320,7 +335,7 @@ def _elected(ratio, upper_age, doubt):
 def _by_year(layers, picks, column, dated, density_error):
     """Dataset of `accumulation`: each span is divided into equal years."""
     depth_m = column.at(column.depth_m, picks.below_s)
-    layer, line = np.nonzero(dated.above >= 0)
+    layer, line = np.nonzero(dated.whole)
     upper = dated.above[layer, line]
     n_years = dated.n_years[layer, line].astype(int)
     thickness_m = depth_m[layer, line] - depth_m[upper, line]
@@ -347,7 +362,12 @@ def _by_year(layers, picks, column, dated, density_error):
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
     found = _dataset(layers, rows, dated, column, picks.below_s)
-    return found.assign_attrs(uppermost=picks.names[0])
+    uppermost = (dated.above == 0).sum(axis=1).argmax()
+    no_horizon = [picks.names[n] for n in np.flatnonzero((dated.above < 0).all(axis=1))[1:]]
+    return found.assign_attrs(
+        uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
+        no_horizon=", ".join(no_horizon),
+    )
 
 
 def _dataset(layers, rows, dated, column, below_s):
@@ -357,11 +377,13 @@ def _dataset(layers, rows, dated, column, below_s):
     found = found.reindex(year=years, line=np.arange(below_s.shape[1]))
     found = found.rename(line="slow_time").assign_coords(slow_time=layers["slow_time"].values)
     # A doubtful count makes every deeper year's age uncertain.
-    doubt = np.logical_or.accumulate(found["flag"].values == COUNT_UNCERTAIN, axis=0)
-    found["flag"][1:] += AGE_UNCERTAIN * doubt[:-1]
+    open_count = np.where(dated.above == 0, dated.sure, np.nan)
+    open_count = np.fmin.reduce(open_count, axis=0) < LEAST_SURE
+    doubt = np.vstack([open_count, found["flag"].values == COUNT_UNCERTAIN])
+    found["flag"] += AGE_UNCERTAIN * np.logical_or.accumulate(doubt, axis=0)[:-1]
     water_m = column.at(column.water_m, below_s)
-    uppermost = np.where(dated.age[:, None] == 0, water_m, np.nan)
-    found["open_m_we"] = ("slow_time", np.fmin.reduce(uppermost, axis=0))
+    first = (dated.above == 0) & (dated.age[:, None] == 0)
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(np.where(first, water_m, np.nan), axis=0))
     times_s = np.linspace(0, min(1.1 * np.nanmax(below_s), column.twtt_s[-1]), N_TIMES)
     found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
     for name in ("Latitude", "Longitude", "frame"):

@@ -101,6 +101,25 @@ def test_a_pick_between_two_horizons_is_left_out_or_flagged(year_m):
     assert (same | (flag > 0)).all()
 
 
+def test_a_doubtful_pick_in_the_tail_of_the_surface_is_no_year_unless_it_is_named(year_m):
+    tail = below_s(np.full((1, N_LINES), 0.06))
+    layers = layers_of(np.vstack([tail, below_s(water_of(year_m))]))
+    layers["confidence"][1] = 0.55
+    found = accumulation(layers, DENSITY, year=2011)
+    assert (found.attrs["uppermost"], found.attrs["no_horizon"]) == ("snow_2=2011", "snow_1")
+    assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
+    named = accumulation(layers, DENSITY, year={"snow_1": 2011})
+    assert named.attrs["uppermost"] == "snow_1=2011"
+
+
+def test_first_horizons_that_nobody_picked_are_counted(year_m):
+    year_m[0] = 0.3
+    found = accumulation(layers_of(below_s(water_of(year_m)[2:])), DENSITY, year=2011)
+    assert found.attrs["uppermost"] == "snow_1=2009"
+    assert_allclose(found["accumulation_m_we"].sel(year=2009), year_m[3], rtol=1e-9)
+    assert np.isnan(found["open_m_we"]).all()
+
+
 def test_a_doubtful_count_is_flagged_and_so_is_every_deeper_age(year_m):
     water_m = water_of(np.repeat(np.full((11, 1), 0.3), N_LINES, axis=1))
     water_m[5:] += 0.3 * 0.48  # one and a half years between two picks
@@ -206,7 +225,8 @@ def files(tmp_path, year_m):
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
     main(["accumulation", *files, "-o", str(path), "--year", "2011", "--density", "400", "--png"])
-    assert "4000 rows of 10 years, that of 2011 below snow_1; 0 picks" in capsys.readouterr().out
+    expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; no horizons: none; 0 picks"
+    assert expected in capsys.readouterr().out
     rows = pd.read_csv(path)
     columns = ("frame", "time", "lat", "lon", "year", *COLUMNS)
     assert tuple(rows.columns) == columns
