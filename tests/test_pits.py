@@ -103,8 +103,8 @@ def test_a_real_core_of_summit_is_read(shared_data):
         ("", "table: expected text with a header"),
         ("depth_cm,hardness\n5,310", "density: expected one column .* found depth_cm, hardness"),
         ("depth_cm,density_a,density_b\n5,1,2", "density: expected one column .*--density-column"),
-        ("depth,density\n5,310", "depth : expected m, cm, mm in the header, or --depth-unit"),
-        ("depth_m,density_lb\n.5,20", "density_lb : expected kg m-3, g cm-3 in the header, or --d"),
+        ("depth,density\n5,310", "depth: expected m, cm, mm in the header, or --depth-unit"),
+        ("depth_m,density_lb\n.5,20", "density_lb: expected kg m-3, g cm-3 in the header, or --d"),
         ("depth_m,density\n5,soft", "density: expected numbers, found 'soft' in row 1"),
         (
             "depth_m,density\n0,310\n2,310\n1,320",

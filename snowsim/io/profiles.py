@@ -150,6 +150,7 @@ def _choice(path, column, option, given, likely=None):
     Refused where header and option differ, or none says it.
     """
     choices = CHOICES[option]
+    column = column.strip()
     words = _words(column)
     told = [choice for choice, pattern in choices.items() if re.search(pattern, words)]
     if given is not None:

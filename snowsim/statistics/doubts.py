@@ -13,11 +13,14 @@ LEAST_OF_POWER = 1.4
 
 def surface_away_bins(echogram, layers):
     """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown."""
-    first_s = float(echogram["twtt"].values[0])
-    surface_s = echogram["Surface"].values
-    surface_bins = np.where(surface_s >= first_s, surface_s - first_s, np.nan)
-    away = np.abs(layer_bins_of(layers, echogram)[0] - surface_bins / bin_size_s(echogram))
+    away = np.abs(layer_bins_of(layers, echogram)[0] - _own_surface_bins(echogram))
     return np.nanmedian(away) if np.isfinite(away).any() else np.nan
+
+
+def _own_surface_bins(echogram):
+    """The echogram's own surface (range_line,) [range bins], NaN where it is not in the record."""
+    below_first_s = echogram["Surface"].values - echogram["twtt"].values[0]
+    return np.where(below_first_s >= 0, below_first_s, np.nan) / bin_size_s(echogram)
 
 
 def looks_like_amplitude(echogram, layers):
@@ -27,7 +30,8 @@ def looks_like_amplitude(echogram, layers):
     it with unequal weights and for mixtures; 1.2 for the amplitude of one look, 1 for that of many.
     """
     power = echogram["Data"].transpose("twtt", "slow_time").values
-    surface_bins = layer_bins_of(layers, echogram)[0]
+    # Layer 0 may be another layer.
+    surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], _own_surface_bins(echogram))
     if not np.isfinite(surface_bins).any():
         return False
     air = power[: max(int(np.nanmin(surface_bins)) - AIR_MARGIN_BINS, 0)]

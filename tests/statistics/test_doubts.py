@@ -40,6 +40,8 @@ def test_amplitude_is_told_from_power_at_any_number_of_looks(frames, looks):
     mean = echogram["Data"].mean("slow_time")
     power = echogram.assign(Data=mean * xr.DataArray(speckle, echogram["Data"].coords))
     assert not looks_like_amplitude(power, layers)
+    # Nor is it amplitude where layer 0 is not the surface, whose echo is then no air.
+    assert not looks_like_amplitude(power, layers.isel(layer=slice(1, None)))
     amplitude = power.assign(Data=np.sqrt(power["Data"]))
     with pytest.raises(ValueError, match="frame 0: Data: expected linear power, found amplitude"):
         fit([(amplitude, layers)])
