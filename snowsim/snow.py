@@ -266,6 +266,8 @@ def _dated(water_m, picks, year):
         n_years = np.where(bounded, age[:, None] - age[above], np.nan)
         either = np.maximum(doubt, np.take_along_axis(doubt, above, axis=0))
         sure = _probability(span_m / typical_m, n_years, either)
+        if 0 not in given:  # a named layer needs no count from the surface
+            sure[above == 0] = 1
         dated = _Dated(newest, age, above, span_m, n_years, sure)
         typical_m = _typical(dated.year_m)
     return dated

@@ -110,6 +110,9 @@ def test_a_doubtful_pick_in_the_tail_of_the_surface_is_no_year_unless_it_is_name
     assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
     named = accumulation(layers, DENSITY, year={"snow_1": 2011})
     assert named.attrs["uppermost"] == "snow_1=2011"
+    # The count from the surface to the first pick is doubtful, but then no age hangs on it.
+    shallow = accumulation(layers.isel(layer=[0, 1, 3, 4]), DENSITY, year={"snow_3": 2010})
+    assert (shallow["flag"].sel(year=2010) < AGE_UNCERTAIN).all()
 
 
 def test_first_horizons_that_nobody_picked_are_counted(year_m):
