@@ -130,5 +130,5 @@ def test_statistics_of_images_have_no_gain_to_change(flight, rng):
 
 
 def test_statistics_of_an_earlier_version_are_refused_in_one_line(flight, rng):
-    with pytest.raises(ValueError, match="statistics: content must be .* 2', got 'none': fit them"):
+    with pytest.raises(ValueError, match="statistics: content must be .* 3', got 'none': fit them"):
         varied(flight.assign_attrs(content="none"), rng=rng)
