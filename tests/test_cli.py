@@ -15,6 +15,7 @@ import snowsim
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
 from snowsim.io.export import export_netcdf
+from snowsim.io.files import write_dataset
 from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import write_scenes
@@ -158,7 +159,7 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
     assert not list(place.glob("out/*"))
 
 
-def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
+def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     content = formats.truth(rng)
     content["Surface"][3] = np.nan
@@ -185,6 +186,7 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     assert "id 1: 97.5% picked" in printed["layers.mat"]
     assert "none is named surface" in printed["layers.mat"]
     assert "2 scenes" in printed["scenes.nc"]
+    assert "7 labelled pixels lie below the images" in printed["scenes.nc"]
     formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
     main(["info", "nsidc.nc"])
     assert "no supplement" not in capsys.readouterr().out
@@ -261,3 +263,14 @@ def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, 
     with pytest.raises(SystemExit):
         main(["train", "scenes.nc", "-o", "mine.onnx"])
     assert capsys.readouterr().err == "error: train needs torch: pip install 'snowsim[learn]'\n"
+
+
+def test_info_notes_nothing_where_there_is_nothing_to_watch_for(tmp_path, capsys):
+    snow = snowsim.Climate(accumulation_m=0.3)
+    _, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=8, rng=1)
+    numbered = layers.assign_coords(layer=np.arange(layers.sizes["layer"]))
+    write_dataset(tmp_path / "layers.nc", numbered)
+    assert "none is named surface" not in described(tmp_path / "layers.nc", capsys)
+    label_sets = [dataclasses.replace(scene, image=None) for scene in toy_scenes(2)]
+    write_scenes(tmp_path / "labels.nc", label_sets)
+    assert "notes   none" in described(tmp_path / "labels.nc", capsys)

@@ -155,10 +155,9 @@ def test_a_missing_top_and_gaps_are_told_of_and_hold_no_layer(read):
     with pytest.warns(UserWarning, match=told):
         snow = snow_of(profile)
     _, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=2, rng=1)
-    depth_m = np.interp(
-        layers["twtt"][:, 0] - layers["twtt"][0, 0],
-        *(2 / SPEED_OF_LIGHT_M_S * optical_m(snow), snow.depth_m[:, 0]),
-    )
+    below_s = layers["twtt"][:, 0] - layers["twtt"][0, 0]
+    known_s = 2 / SPEED_OF_LIGHT_M_S * optical_m(snow)
+    depth_m = np.interp(below_s, known_s, snow.depth_m[:, 0])
     for above_m, below_m in ((0, 0.4), (0.6, 0.7), (1.3, 2.3)):
         assert not ((depth_m > above_m + 1e-6) & (depth_m < below_m - 1e-6)).any()
     # The others are there: 20 below the surface bound measured samples.

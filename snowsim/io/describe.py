@@ -57,6 +57,7 @@ def describe(path):
 
 
 def _said(what, held, notes=()):
+    """All of it as lines; `held` is a dataset or table."""
     with xr.set_options(display_max_rows=20):
         return {"format": [what], "holds": str(held).splitlines(), "notes": notes}
 
@@ -66,32 +67,38 @@ def _echogram(what, echogram, stored):
     unknown = ~(echogram["Surface"].values > 0)
     notes = [words for name, words in TOLD_BY.items() if name in stored]
     notes.append(f"range bins of {bin_size_s(echogram):.4g} s")
-    notes.append(f"{missing.mean():.2%} of pixels hold no power (NaN or 0)")
-    notes.append(f"Surface is unknown on {unknown.sum()} range lines")
+    if missing.any():
+        notes.append(f"{missing.mean():.2%} of pixels hold no power (NaN or 0)")
+    if unknown.any():
+        notes.append(f"Surface is unknown on {unknown.sum()} range lines")
     if "amplitude" in stored and "quality_mask" not in echogram:
         notes.append("no supplement beside it flags range lines")
     return _said(what, echogram, notes)
 
 
 def _layers(what, layers):
-    labels = list(map(str, layers.get_index("layer")))
+    index = layers.get_index("layer")
+    labels = list(map(str, index))
     picked = np.isfinite(layers["twtt"].values).mean(axis=1)
     shares = [f"{label}: {share:.1%} picked" for label, share in zip(labels, picked, strict=True)]
     notes = [one_line("; ".join(shares))]
-    if surface_among(labels) != 0:
+    # Layers without names, but numbers, begin with the surface.
+    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
         notes.append("none is named surface (by the organizer file beside it)")
     return _said(what, layers, notes)
 
 
 def _scenes(what, scenes):
     rows = []
+    n_mute = n_cut = 0
     for scene in shown(scenes, unit="scene"):
         sizes = {"range_bins": scene.n_range_bins, "range_lines": scene.n_range_lines}
-        rows.append(sizes | {"layers": len(scene.layer_bins), "tells_db": tells_db(scene)})
-        rows[-1]["pixels_cut"] = scene.notes.get("n_pixels_cut", 0)
-    table = pd.DataFrame(rows)
-    notes = [
-        f"{(~table['tells_db']).sum()} scenes do not hold their decibels",
-        f"{table['pixels_cut'].sum()} labelled pixels lie below the images",
-    ]
-    return _said(f"{what}: {len(table)} scenes", table.agg(["min", "max"]), notes)
+        rows.append(sizes | {"layers": len(scene.layer_bins)})
+        n_mute += scene.image is not None and not tells_db(scene)
+        n_cut += scene.notes.get("n_pixels_cut", 0)
+    notes = []
+    if n_mute:
+        notes.append(f"{n_mute} images do not hold their decibels")
+    if n_cut:
+        notes.append(f"{n_cut} labelled pixels lie below the images")
+    return _said(f"{what}: {len(rows)} scenes", pd.DataFrame(rows).agg(["min", "max"]), notes)

@@ -1,4 +1,4 @@
-# What judges the renders of label sets: can they be told from observed scenes, and do they give back the statistics?
+# Diagnostics of renders of label sets: how often a network tells them from observed scenes, what statistics they give.
 
 DRAWN_SHARDS = first_shards(config["drawn_scenes"]["n_scenes"])
 
