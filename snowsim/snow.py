@@ -87,7 +87,8 @@ def accumulation(
         Variables on (year, slow_time) are NaN where picks do not bound a year:
 
         - `depth_m` of the year's horizon and `thickness_m` of its snow;
-        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold nine of ten;
+        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold a year's own
+          accumulation in nine of ten;
         - `n_years`, the number of years between the picks that bound it: thickness and accumulation
           are means over these years; and `confidence`, the probability of this number;
         - `flag`: 1 where that probability is below 80 %; 2 where this is so for a count higher up,
@@ -117,8 +118,9 @@ def accumulation(
     that these ages give. Where most picks are of crusts between horizons, half a year counts as
     one, and accumulation is halved without a flag: compare a core, or a layer of known age.
 
-    The errors of both picks, each half of ``twtt_high - twtt_low``, and of density add in squares;
-    a relative error e of density counts as ``e / n`` with the refractive index n. Picks lie 1.2 to
+    The errors of both picks, each half of ``twtt_high - twtt_low``, of density, and of a year about
+    the mean of m years, ``s (1 - 1 / m)^(1/2)``, add in squares; a relative error e of density
+    counts as ``e / n`` with the refractive index n. Picks lie 1.2 to
     1.6 range bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)
@@ -344,7 +346,9 @@ def _by_year(layers, picks, column, dated, density_error):
     between_s = picks.below_s[layer, line] - picks.below_s[upper, line]
     index = SPEED_OF_LIGHT_M_S * between_s / (2 * thickness_m)
     of_picks = np.hypot(picks.error_s[layer, line], picks.error_s[upper, line]) / between_s
-    relative = np.hypot(of_picks, NINE_OF_TEN * density_error / index)
+    # Of years that have one mean, each scatters about it.
+    of_year = SPREAD * np.sqrt(1 - 1 / n_years)
+    relative = np.hypot(of_picks, NINE_OF_TEN * np.hypot(density_error / index, of_year))
     mean_m = dated.span_m[layer, line] / n_years
     sure = dated.sure[layer, line]
     spans = {

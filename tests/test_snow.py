@@ -83,6 +83,12 @@ def test_a_horizon_that_is_missed_makes_one_span_of_two_years(year_m):
         mean_m = year_m[1:][years].mean(axis=0)[here]
         for year in years:
             assert_allclose(found["accumulation_m_we"][year, here], mean_m, rtol=1e-9)
+        # Two years about their mean scatter by .3 / 2^.5, beside errors of the picks and density.
+        picks = np.sqrt(2) * ERROR_S / below_s(2 * mean_m)
+        density = 0.05 / (1 + 0.845e-3 * DENSITY)
+        half = np.hypot(picks, 1.645 * np.hypot(density, 0.3 / np.sqrt(2)))
+        assert_allclose(found["high"][years[0], here] / mean_m - 1, half, rtol=1e-6)
+        assert_allclose(1 - found["low"][years[1], here] / mean_m, half, rtol=1e-6)
     depth_m = 1000 * water_of(year_m) / DENSITY
     middle_m = (depth_m[3] + depth_m[5]) / 2
     assert_allclose(found["depth_m"][4, here], middle_m[here], rtol=1e-9)

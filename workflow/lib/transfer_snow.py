@@ -81,11 +81,26 @@ def layers_of(bins, sure, snow):
     return xr.Dataset(content, {"slow_time": times, "layer": np.arange(len(bins))})
 
 
-def spans_of(layers, snow):
-    """Rows of the spans between picks of a scene, beside the true mass, and years given in all.
+def water_above(horizons_s, depth_at, snow, line):
+    """Mass above true horizons on some range lines [m w.e.], (layer, line), as known or converted.
 
-    `true` [m w.e. / yr] and `n_true` are of the true horizons nearest to the picks; `right` tells
-    whether both are near and as many years apart as was found.
+    `horizons_s` (layer, line) are their travel times below the surface, `depth_at` the depths of
+    such times.
+    """
+    if snow.water_m is not None:
+        return snow.water_m[:, line]
+    # Of t = (2 / c) (z + .845 w), Kovacs et al. (1995).
+    depth_m = np.interp(horizons_s, depth_at["below_s"].values, depth_at.values)
+    optical_m = SPEED_OF_LIGHT_M_S * horizons_s / 2
+    return (optical_m - depth_m) / (KOVACS_M3_KG * WATER_DENSITY_KG_M3)
+
+
+def years_of(layers, snow):
+    """Rows of a scene's line-years between picks, beside their true accumulation.
+
+    `true` [m w.e. / yr] is of the year between the true horizons nearest to the picks above and
+    below it, `top` and `base`; it is the `within`-th year between them. `right` tells whether both
+    are near and as many years apart as was found; `true_mean` is the mean of all years between.
     """
     try:
         found = accumulation(layers, year=0, **FIRN)
@@ -93,57 +108,60 @@ def spans_of(layers, snow):
         return pd.DataFrame()
     thickness_m = found["thickness_m"].values
     above_m = np.vstack([np.full(thickness_m.shape[1], np.nan), thickness_m[:-1]])
-    year, line = np.nonzero(np.isfinite(thickness_m) & (thickness_m != above_m))
+    row = np.arange(len(thickness_m))[:, None]
+    first = np.maximum.accumulate(np.where(thickness_m != above_m, row, 0))
+    year, line = np.nonzero(np.isfinite(thickness_m))
     names = ("accumulation_m_we", "low", "high", "n_years", "flag", "depth_m", "thickness_m")
-    spans = pd.DataFrame({name: found[name].values[year, line] for name in names})
+    years = pd.DataFrame({name: found[name].values[year, line] for name in names})
+    within = year - first[year, line]
     depth_at = found["depth_at"]
     horizons_s = (snow.scene.layer_bins - snow.scene.layer_bins[0])[:, line] * snow.bin_s
-    water_m = snow.water_m
-    if water_m is None:
-        # Of t = (2 / c) (z + .845 w), Kovacs et al. (1995).
-        depth_m = np.interp(horizons_s, depth_at["below_s"].values, depth_at.values)
-        optical_m = SPEED_OF_LIGHT_M_S * horizons_s / 2
-        water_m = (optical_m - depth_m) / (KOVACS_M3_KG * WATER_DENSITY_KG_M3)
-    else:
-        water_m = water_m[:, line]
-    base_m = spans["depth_m"] + spans["n_years"] * spans["thickness_m"]
+    water_m = water_above(horizons_s, depth_at, snow, line)
+    top_m = years["depth_m"] - within * years["thickness_m"]
+    base_m = top_m + years["n_years"] * years["thickness_m"]
     nearest = {}
     near = True
-    for name, end_m in (("top", spans["depth_m"]), ("base", base_m)):
+    for name, end_m in (("top", top_m), ("base", base_m)):
         end_s = np.interp(end_m, depth_at.values, depth_at["below_s"].values)
         away = np.nan_to_num(np.abs(horizons_s - end_s), nan=np.inf)
         nearest[name] = away.argmin(axis=0)
         near = near & (away.min(axis=0) < NEAR_BINS * snow.bin_s) & (nearest[name] > 0)
-    n_true = nearest["base"] - nearest["top"]
+    right = near & (nearest["base"] - nearest["top"] == years["n_years"])
     each = np.arange(line.size)
+    # Read only where the count is right: there, the year's horizons exist.
+    above = np.where(right, nearest["top"] + within, 0)
+    true_m = water_m[above + right, each] - water_m[above, each]
     mass_m = water_m[nearest["base"], each] - water_m[nearest["top"], each]
-    true_m = mass_m / np.maximum(n_true, 1)
-    right = near & (n_true == spans["n_years"])
-    return spans.assign(line=line, true=true_m, n_true=n_true, right=right, **nearest)
+    mean_m = mass_m / years["n_years"]
+    truth = {"true": true_m, "true_mean": mean_m, "right": right}
+    return years.assign(line=line, within=within, **truth, **nearest)
 
 
 def accumulation_scores(tables, n_possible):
-    """Scores of spans of all scenes, list of tables of `spans_of`, by name.
+    """Scores of the years of all scenes, list of tables of `years_of`, by name.
 
-    Of spans whose years are counted rightly `bias`, `rms` (both relative), `inside` the interval,
-    `correlation` of changes along track; `given`, of all line-years; of spans counted wrongly their
-    share, and the shares with the flag of an uncertain count and with any, beside right ones.
+    Of spans between picks whose years are counted rightly `bias`, `rms` (both relative) and
+    `correlation` of changes along track, of their means; `inside`, how often the truth of a year in
+    them lies in its interval; `given`, of all line-years; of spans counted wrongly their share, and
+    the shares with the flag of an uncertain count and with any, beside right ones.
     """
     numbered = [table.assign(scene=number) for number, table in enumerate(tables) if len(table)]
     if not numbered:
         return {"given": 0.0}
-    spans = pd.concat(numbered, ignore_index=True)
+    years = pd.concat(numbered, ignore_index=True)
+    of_right = years[years["right"]]
+    spans = years[years["within"] == 0]
     right = spans[spans["right"]]
     wrong = spans[~spans["right"]]
     found = right["accumulation_m_we"]
-    both = right.groupby(["scene", "top", "base"])[["accumulation_m_we", "true"]]
-    changes = right[["accumulation_m_we", "true"]] - both.transform("mean")
+    both = right.groupby(["scene", "top", "base"])[["accumulation_m_we", "true_mean"]]
+    changes = right[["accumulation_m_we", "true_mean"]] - both.transform("mean")
     return {
-        "bias": found.sum() / right["true"].sum() - 1,
-        "rms": np.sqrt(((found / right["true"] - 1) ** 2).mean()),
-        "inside": right["true"].between(right["low"], right["high"]).mean(),
+        "bias": found.sum() / right["true_mean"].sum() - 1,
+        "rms": np.sqrt(((found / right["true_mean"] - 1) ** 2).mean()),
+        "inside": of_right["true"].between(of_right["low"], of_right["high"]).mean(),
         "correlation": changes.corr().iloc[0, 1],
-        "given": spans["n_years"].sum() / n_possible,
+        "given": len(years) / n_possible,
         "wrong": len(wrong) / len(spans),
         "wrong_flagged": (wrong["flag"].astype(int) & 1).mean(),
         "wrong_any_flag": (wrong["flag"] > 0).mean(),
@@ -155,7 +173,7 @@ def scored_snow(name, snows, tracker, picks_of):
     """Row of accumulation scores of a tracker's picks, `picks_of(scene)`, on a list of `Snow`."""
     picks = [picks_of(each.scene) for each in snows]
     tables = [
-        spans_of(layers_of(own.bins, own.sure, each), each)
+        years_of(layers_of(own.bins, own.sure, each), each)
         for own, each in zip(picks, snows, strict=True)
     ]
     # The snow above the uppermost horizon is of no whole year.
