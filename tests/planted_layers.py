@@ -15,6 +15,7 @@ METRES_PER_DEGREE = 111_194.9
 SEGMENT = "20120330_04"
 SURFACE_BIN = 80
 LAYER_BINS = SURFACE_BIN + np.array([0, 40, 75, 120, 180])
+NAMES = ["surface", "snow_1", "snow_2", "snow_3", "snow_4"]
 CARD = {
     "name": "ridges",
     "version": "1",

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scipy.io
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_layers import BIN_S, SEGMENT, WRITERS, content_of, planted
+from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted
 
 from snowsim.cli import main
 from snowsim.io import open_segment, read_layers
@@ -30,6 +30,19 @@ def track(weights, tmp_path, lines):
     return run
 
 
+@pytest.fixture
+def dataset(frame):
+    """The planted echogram as Open Polar Radar has it."""
+    return formats.opr_dataset(content_of(frame[0]))
+
+
+def write_frame(folder, echogram, number=1, lines=slice(None), **changes):
+    """Path of a file of some range lines: a frame of `SEGMENT`."""
+    path = folder / f"Data_{SEGMENT}_{number:03d}.mat"
+    formats.write_mat5(path, content_of(echogram, lines) | changes)
+    return path
+
+
 @pytest.mark.parametrize("kind", WRITERS)
 def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
     kind, track, tmp_path, frame
@@ -40,7 +53,7 @@ def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
     write(tmp_path / name, content)
     assert track([tmp_path / name]) == 0
     netcdf = read_layers(tmp_path / "out" / f"{(tmp_path / name).stem}_layers.nc")
-    assert netcdf["layer"].values.tolist() == ["surface", *(f"snow_{n}" for n in range(1, 5))]
+    assert netcdf["layer"].values.tolist() == NAMES
     error = netcdf["twtt"].values - 3e-6 - planted_layers["twtt"].values
     assert np.nanmax(np.abs(error)) < BIN_S
     assert {"confidence", "twtt_low", "twtt_high"} <= set(netcdf)
@@ -60,20 +73,18 @@ def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
 def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tmp_path, rng):
     echogram, layers = planted(rng, n_lines=500)
     parts = [slice(0, 260), slice(260, 500)]
-    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (7, 8)]
-    for path, part in zip(paths, parts, strict=True):
-        formats.write_mat5(path, content_of(echogram, part))
+    paths = [write_frame(tmp_path, echogram, 7 + n, part) for n, part in enumerate(parts)]
     assert track(paths[::-1]) == 0
     folder = tmp_path / "out" / "CSARP_layer" / SEGMENT
     for path, part in zip(paths, parts, strict=True):
         found = read_layers(folder / path.name)
-        assert found["layer"].values.tolist() == ["surface", *(f"snow_{n}" for n in range(1, 5))]
+        assert found["layer"].values.tolist() == NAMES
         error = found["twtt"].values - 3e-6 - layers["twtt"].values[:, part]
         assert np.nanmax(np.abs(error)) < BIN_S
         assert np.isfinite(error).mean() > 0.97
     written = [tmp_path / "out" / f"{path.stem}_layers.nc" for path in paths]
     joined = open_segment(written[::-1])
-    assert_array_equal(joined["layer"], ["surface", *(f"snow_{n}" for n in range(1, 5))])
+    assert_array_equal(joined["layer"], NAMES)
     whole = [read_layers(path) for path in written]
     for name in ("twtt", "quality", "confidence"):
         expected = np.concatenate([frame[name].values for frame in whole], axis=1)
@@ -86,24 +97,9 @@ def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tm
             open_segment(wrong)
 
 
-def test_frames_that_do_not_follow_one_another_share_no_layer_but_the_surface(
-    track, tmp_path, frame
-):
-    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (1, 3)]
-    for path in paths:
-        formats.write_mat5(path, content_of(frame[0]))
-    assert track(paths) == 0
-    folder = tmp_path / "out" / "CSARP_layer" / SEGMENT
-    one, three = (set(read_layers(folder / path.name)["layer"].values) for path in paths)
-    assert one & three == {"surface"}
-    assert len(one) == len(three) == 5
-
-
 def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lines):
-    good = tmp_path / f"Data_{SEGMENT}_001.mat"
-    formats.write_mat5(good, content_of(frame[0]))
-    empty = tmp_path / f"Data_{SEGMENT}_002.mat"
-    formats.write_mat5(empty, content_of(frame[0]) | {"Data": np.ones((400, 300))})
+    good = write_frame(tmp_path, frame[0])
+    empty = write_frame(tmp_path, frame[0], 2, Data=np.ones((400, 300)))
     text = tmp_path / "notes.txt"
     text.write_text("nothing")
     assert track([text, empty, good, tmp_path / "none.mat"]) == 3
@@ -115,8 +111,7 @@ def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lin
 
 
 def test_files_that_are_there_stay_unless_by_force(track, tmp_path, frame, lines):
-    path = tmp_path / f"Data_{SEGMENT}_001.mat"
-    formats.write_mat5(path, content_of(frame[0]))
+    path = write_frame(tmp_path, frame[0])
     assert track([path]) == 0
     written = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
     assert len(written) == 3
@@ -137,19 +132,18 @@ def test_two_files_of_one_frame_are_refused(track, tmp_path, frame, lines):
 
 @pytest.mark.parametrize("names", [("a/s.nc", "b/s.nc"), ("s.nc", "s.png")])
 def test_two_inputs_of_one_name_are_refused_before_anything_is_tracked(
-    track, tmp_path, frame, names, lines
+    track, tmp_path, dataset, names, lines
 ):
     paths = [tmp_path / name for name in names]
     for path in paths:
         path.parent.mkdir(exist_ok=True)
-        formats.opr_dataset(content_of(frame[0])).to_netcdf(path)
+        dataset.to_netcdf(path)
     with pytest.raises(ValueError, match=f"^{paths[1]}: name: .* found {paths[0]} too"):
         track(paths)
     assert not lines
 
 
-def test_frames_without_number_are_numbered_by_time(track, tmp_path, frame):
-    dataset = formats.opr_dataset(content_of(frame[0]))
+def test_frames_without_number_are_numbered_by_time(track, tmp_path, dataset):
     paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
     for path, lines in zip(paths, (slice(150, 300), slice(0, 150)), strict=True):
         dataset.isel(slow_time=lines).to_netcdf(path)
@@ -160,9 +154,9 @@ def test_frames_without_number_are_numbered_by_time(track, tmp_path, frame):
 
 
 @pytest.mark.parametrize("day_seg", ["../../elsewhere", "/tmp/20120330_04", "20120330_04/x"])
-def test_a_segment_that_is_a_path_is_refused(track, tmp_path, frame, lines, day_seg):
+def test_a_segment_that_is_a_path_is_refused(track, tmp_path, dataset, lines, day_seg):
     path = tmp_path / "frame.nc"
-    formats.opr_dataset(content_of(frame[0])).assign_attrs(day_seg=day_seg).to_netcdf(path)
+    dataset.assign_attrs(day_seg=day_seg).to_netcdf(path)
     assert track([path]) == 1
     assert lines == [
         f"error: {path}: day_seg: expected a segment such as 20120330_04, found {day_seg}"
@@ -178,50 +172,48 @@ def test_a_segment_that_is_a_path_is_refused(track, tmp_path, frame, lines, day_
     ],
     ids=["granule", "segment_path", "day_seg"],
 )
-def test_segment_and_frame_are_read_from_what_xopr_writes(track, tmp_path, frame, attributes):
+def test_segment_and_frame_are_read_from_what_xopr_writes(track, tmp_path, dataset, attributes):
     path = tmp_path / "saved.nc"
-    formats.opr_dataset(content_of(frame[0])).assign_attrs(attributes).to_netcdf(path)
+    dataset.assign_attrs(attributes).to_netcdf(path)
     assert track([path]) == 0
     assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/Data_{SEGMENT}_007.mat").is_file()
 
 
 @pytest.mark.parametrize(
-    ("stretched", "later_s", "message"),
+    ("number", "stretched", "later_s", "n_shared", "message"),
     [
-        (1, 0.0, None),
-        (40, 0.0, None),  # 1.7 s from line to line, and 3 lines are missing
-        (1, 30.0, "begins 30.2 s after that ends, more than 2 s"),
-        (1, -5.0, "begins 4.83 s before that ends"),
+        (2, 1, 0.0, 5, ""),
+        (2, 40, 0.0, 5, ""),  # 1.7 s from line to line, and 3 lines are missing
+        (2, 1, 30.0, 1, "begins 30.2 s after that ends, more than 2 s"),
+        (2, 1, -5.0, 1, "begins 4.83 s before that ends"),
+        (3, 1, 0.0, 1, ""),
     ],
-    ids=["follows", "slow lines", "pause", "overlap"],
+    ids=["follows", "slow lines", "pause", "overlap", "a frame is missing"],
 )
-def test_neighbours_that_are_not_linked_are_said(
-    track, tmp_path, frame, lines, stretched, later_s, message
+def test_layers_go_on_in_the_next_frame_unless_a_gap_in_time_is_said(
+    track, tmp_path, frame, lines, number, stretched, later_s, n_shared, message
 ):
-    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (1, 2)]
-    parts = (slice(0, 150), slice(153, 300))
-    for path, part, shift_s in zip(paths, parts, (0.0, later_s), strict=True):
-        content = content_of(frame[0], part)
-        since = stretched * (content["GPS_time"] - formats.GPS_START) + shift_s
-        formats.write_mat5(path, content | {"GPS_time": formats.GPS_START + since})
+    parts = {1: (slice(0, 150), 0.0), number: (slice(153, 300), later_s)}
+    paths = []
+    for which, (part, shift_s) in parts.items():
+        since = content_of(frame[0], part)["GPS_time"] - formats.GPS_START
+        gps_time = formats.GPS_START + stretched * since + shift_s
+        paths.append(write_frame(tmp_path, frame[0], which, part, GPS_time=gps_time))
     assert track(paths) == 0
     said = [line for line in lines if "not linked with frame 1" in line]
-    names = [read_layers(tmp_path / f"out/{path.stem}_layers.nc")["layer"].values for path in paths]
-    linked = len(set(names[0]) & set(names[1])) == 5
-    if message is None:
-        assert linked
-        assert not said
-    else:
-        assert not linked
-        assert message in said[0]
+    first, second = (
+        set(read_layers(tmp_path / f"out/{path.stem}_layers.nc")["layer"].values) for path in paths
+    )
+    assert len(first) == len(second) == 5
+    assert len(first & second) == n_shared
+    assert len(said) == bool(message)
+    assert message in "".join(said)
 
 
 def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
     track, tmp_path, frame, lines, monkeypatch
 ):
-    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (1, 2)]
-    for path in paths:
-        formats.write_mat5(path, content_of(frame[0]))
+    paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
     assert track(paths[:1]) == 0
     monkeypatch.setattr("snowsim.tracking._see", None)  # it is not tracked
     assert track(paths[1:], force=True) == 1
@@ -229,10 +221,10 @@ def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
     assert f"found {paths[0].name}" in lines[-1]
 
 
-def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, frame, lines):
+def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, dataset, lines):
     (tmp_path / "out").mkdir()
     path = tmp_path / "out/frame.nc"
-    formats.opr_dataset(content_of(frame[0])).to_netcdf(path)
+    dataset.to_netcdf(path)
     truth = tmp_path / "out/frame_layers.nc"
     truth.write_text("truth")
     assert track([path], force=True) == 1
@@ -279,8 +271,7 @@ def test_an_image_gives_rows_and_needs_its_range_bin(track, tmp_path, frame, tra
 def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
     from PIL import Image
 
-    path = tmp_path / f"Data_{SEGMENT}_001.mat"
-    formats.write_mat5(path, content_of(frame[0]))
+    path = write_frame(tmp_path, frame[0])
     track([path], png=True)
     picture = np.array(Image.open(tmp_path / "out" / f"{path.stem}_picks.png").convert("RGB"))
     coloured = np.ptp(picture.astype(int), axis=2) > 60
@@ -288,9 +279,9 @@ def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
     assert (coloured.sum(axis=1) > 500).sum() >= 5
 
 
-def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, frame, capsys):
+def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, dataset, capsys):
     path = tmp_path / "frame.nc"
-    formats.opr_dataset(content_of(frame[0])).to_netcdf(path)
+    dataset.to_netcdf(path)
     arguments = ["track", str(path), "-o", str(tmp_path / "out"), "--model", str(weights)]
     main(arguments)
     said = capsys.readouterr()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_layers import BIN_S, SURFACE_BIN, planted, ridge_weights, write_weights
+from planted_layers import BIN_S, NAMES, SURFACE_BIN, planted, ridge_weights, write_weights
 
 from snowsim.echogram import bin_size_s, check_layers
 from snowsim.io import read_echogram
@@ -32,9 +32,22 @@ def check_found(tracker, echogram, layers):
     return found
 
 
+def with_looks(echogram, n_looks, rng):
+    """The echogram smoothed along track, speckled anew."""
+    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
+    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
+    return echogram.assign(Data=(mean * speckle).astype(np.float32))
+
+
+def ridge_at(echogram, bins):
+    """A ridge of unit height at fractional bins by range line."""
+    below = np.arange(echogram.sizes["twtt"])[:, None] - bins
+    return np.exp(-0.5 * (below / 1.3) ** 2)
+
+
 def test_layers_planted_in_an_echogram_are_found_and_no_other(tracker, frame):
     found = check_found(tracker, *frame)
-    assert found["layer"].values.tolist() == ["surface", "snow_1", "snow_2", "snow_3", "snow_4"]
+    assert found["layer"].values.tolist() == NAMES
     assert found.attrs["notes"] == ""
     picked = np.isfinite(found["twtt"].values)
     assert (found["twtt_low"].values < found["twtt"].values)[picked].all()
@@ -90,8 +103,7 @@ def test_a_surface_some_bins_off_is_corrected_and_that_is_said(tracker, frame, o
 def test_a_faint_surface_above_a_strong_crust_is_left_where_the_file_has_it(tracker, frame):
     echogram, layers = frame
     surface = layers["twtt"].values[0] / BIN_S
-    bins = np.arange(echogram.sizes["twtt"])[:, None]
-    echogram["Data"] += 2000 * np.exp(-0.5 * ((bins - surface - 10) / 1.3) ** 2)
+    echogram["Data"] += 2000 * ridge_at(echogram, surface + 10)
     found = tracker.pick(echogram)
     assert found.attrs["notes"] == ""
     assert_allclose(found["twtt"].values[0] / BIN_S, surface, atol=TOLERANCE_BINS)
@@ -106,13 +118,10 @@ def off_bins(tracker, echogram):
 
 @pytest.mark.parametrize("n_looks", [1, 16])
 def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_looks):
-    echogram, _ = planted(rng)
-    n_lines = echogram.sizes["slow_time"]
-    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
-    bins = np.arange(echogram.sizes["twtt"])[:, None]
-    recorded = bins >= 20 + 10 * np.sin(np.arange(n_lines) / 30)
-    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
-    echogram["Data"] = (mean * speckle).where(recorded).astype(np.float32)
+    echogram = with_looks(planted(rng)[0], n_looks, rng)
+    n_bins, n_lines = echogram["Data"].shape
+    recorded = np.arange(n_bins)[:, None] >= 20 + 10 * np.sin(np.arange(n_lines) / 30)
+    echogram["Data"] = echogram["Data"].where(recorded)
     assert not off_bins(tracker, echogram).any()
     unknown = echogram.copy(deep=True)
     unknown["Surface"][:] = np.nan
@@ -123,9 +132,7 @@ def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_lo
 
 def test_a_given_surface_stays_where_a_deeper_interface_is_brighter(tracker, frame):
     echogram, layers = frame
-    bins = np.arange(echogram.sizes["twtt"])[:, None]
-    deeper = layers["twtt"].values[1] / BIN_S
-    bright = 1e5 * np.exp(-0.5 * ((bins - deeper) / 1.3) ** 2)
+    bright = 1e5 * ridge_at(echogram, layers["twtt"].values[1] / BIN_S)
     echogram["Data"][:, 100:150] += bright[:, 100:150].astype(np.float32)
     assert not off_bins(tracker, echogram).any()
 
@@ -140,18 +147,17 @@ def test_lines_are_averaged_to_the_looks_that_the_card_knows_or_it_is_said(
     ranges = {"bin_s": [1e-10, 5e-10], "line_spacing_m": [0, 10.5], "n_looks": [3.5, 40]}
     tracker = Tracker.load(write_weights(tmp_path, ridge_weights(), ranges=ranges))
     echogram, _ = planted(rng, spacing_m=spacing_m)
-    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
-    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
-    seen = tracker.see(echogram.assign(Data=(mean * speckle).astype(np.float32))).canonical
+    seen = tracker.see(with_looks(echogram, n_looks, rng)).canonical
     assert seen.grid.n_averaged == averaged
     assert ("single look" in " ".join(seen.notes)) == (n_looks == 1)
     assert seen.outside == outside
     assert any(note.startswith("n_looks") for note in seen.notes) == outside
 
 
-@quiet
-def test_outside_the_cards_ranges_no_pick_is_good(tracker, rng):
-    found = tracker.pick(planted(rng, bin_s=7e-10)[0])
+def test_an_echogram_outside_the_cards_ranges_is_warned_of_and_no_pick_is_good(tracker, rng):
+    echogram, _ = planted(rng, bin_s=7e-10)
+    with pytest.warns(UserWarning, match="bin_s 7e-10 lies outside the tracker's 1e-10 to 5e-10"):
+        found = tracker.pick(echogram)
     picked = np.isfinite(found["twtt"].values)
     assert picked.sum() > 500
     assert not (found["quality"].values[picked] == 1).any()
@@ -212,16 +218,8 @@ def test_decibels_taken_for_power_are_warned_of(tracker, frame):
 def test_power_of_little_contrast_and_many_looks_is_not_taken_for_decibels(tracker, rng, n_looks):
     echogram, _ = planted(rng, contrast=0.5)
     # The surface lies 9 dB above the air.
-    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
-    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
-    found = tracker.pick(echogram.assign(Data=mean * speckle))
+    found = tracker.pick(with_looks(echogram, n_looks, rng))
     assert "decibels" not in found.attrs["notes"]
-
-
-def test_an_echogram_outside_the_cards_ranges_is_warned_of(tracker, rng):
-    echogram, _ = planted(rng, bin_s=7e-10)
-    with pytest.warns(UserWarning, match="bin_s 7e-10 lies outside the tracker's 1e-10 to 5e-10"):
-        tracker.pick(echogram)
 
 
 def test_probability_lies_on_the_echograms_own_axes(tracker, rng):
@@ -327,13 +325,20 @@ def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, 
     assert str(error.value).startswith(str(tmp_path))
 
 
-def test_a_card_that_is_no_json_or_missing_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("{", "card: expected JSON"),
+        ("[]", r"expected a card of format 'snowsim tracker 1', got \[\]"),
+        (None, "card: expected JSON, found FileNotFoundError"),
+    ],
+)
+def test_a_card_that_is_no_json_object_or_missing_is_refused(tmp_path, card, message):
     path = write_weights(tmp_path, ridge_weights())
-    path.with_suffix(".json").write_text("{")
-    with pytest.raises(ValueError, match="card: expected JSON"):
-        Tracker.load(path)
     path.with_suffix(".json").unlink()
-    with pytest.raises(ValueError, match="card: expected JSON, found FileNotFoundError"):
+    if card is not None:
+        path.with_suffix(".json").write_text(card)
+    with pytest.raises(ValueError, match=message):
         Tracker.load(path)
 
 
@@ -368,5 +373,5 @@ def test_a_frame_has_the_layers_picked_in_it_by_the_names_of_the_segment(tracker
     without = echogram.copy(deep=True)
     without["Data"][below] = 3 * rng.gamma(16, 1 / 16, (below.sum(), 300))
     one, two = tracker.pick_together([tracker.see(echogram), tracker.see(without)])
-    assert one["layer"].values.tolist() == ["surface", "snow_1", "snow_2", "snow_3", "snow_4"]
-    assert two["layer"].values.tolist() == ["surface", "snow_1"]
+    assert one["layer"].values.tolist() == NAMES
+    assert two["layer"].values.tolist() == NAMES[:2]
