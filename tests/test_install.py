@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 import sys
 import tomllib
 from functools import partial
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
@@ -46,16 +46,11 @@ for name in {public}:
     module, _, function = name.rpartition(".")
     public = getattr(importlib.import_module(module), function)
     home = importlib.import_module(public.__module__)
-    runner.run(*doctest.DocTestFinder(recurse=False).find(public, name, module=home))
+    (example,) = doctest.DocTestFinder(recurse=False).find(public, name, module=home)
+    assert example.examples, name + " has no example"
+    runner.run(example)
 sys.exit(runner.summarize().failed)
 """
-
-
-def run_in(folder, *command):
-    words = [str(word) for word in command]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, f"{command}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
-    return done.stdout
 
 
 def examples(blocked=()):

@@ -1,13 +1,13 @@
 """In an environment of its own, without torch, the command tracks what others then read."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from planted_layers import BIN_S, WRITERS, content_of, planted
+from processes import run_in
 
 from snowsim.io import read_layers
 from snowsim.io.images import write_image
@@ -24,13 +24,6 @@ for number, path in enumerate(sys.argv[1:]):
     layers = connection.load_layers_file(path)
     np.save(f"xopr_{number}.npy", layers["twtt"].values)
 """
-
-
-def run_in(folder, *command):
-    words = [str(word) for word in command]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, f"{command}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
-    return done.stdout
 
 
 def megabytes(folder):
