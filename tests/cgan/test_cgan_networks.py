@@ -28,10 +28,6 @@ def test_logits_are_as_many_as_pix2pix_has_of_patches_of_70_pixels():
     assert PatchDiscriminator(2)(image, image).shape == (1, 1, 30, 30)
 
 
-def no_slabs(n_patches, *size):
-    return np.zeros((n_patches, *size), int)
-
-
 @pytest.fixture
 def generator(rng):
     """Small generator with random weights."""

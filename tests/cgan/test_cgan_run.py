@@ -1,17 +1,39 @@
 """A training survives kill -9 and leaves its last weights; what ends it is told, and a warning."""
 
 import logging
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
-from trainings import check_killed_training, paths_in
 
 from lib.cgan_training import GENERATOR, note_saturation, train
+from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import write_scenes
 
+ROOT = Path(__file__).resolve().parents[2]
+FILES = {
+    "losses": "losses.csv",
+    "checkpoint": "unfinished.safetensors",
+    "events": "events",
+    "generator": "generator.safetensors",
+}
+# Trains in a process of its own and tells every step it has taken.
+CHILD = """
+import sys, lib.cgan_training as module
+def steps_shown(*arguments, steps=module.train_steps):
+    for step, losses in steps(*arguments):
+        print(step, flush=True)
+        yield step, losses
+module.train_steps = steps_shown
+module.train(**eval(sys.argv[1]))
+"""
 SETTINGS = {
     "width": 4,
     "depth": 4,
@@ -27,7 +49,7 @@ def arguments(folder, **changes):
     scenes = folder.parent / "scenes.nc"
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
-    files = paths_in(folder, generator="generator.safetensors")
+    files = {name: str(folder / file) for name, file in FILES.items()}
     options = {"seed": 1, "device": "cpu", "settings": SETTINGS}
     return {"scenes": [str(scenes)], **files, **options, "checkpoint_steps": 20, **changes}
 
@@ -41,9 +63,27 @@ def whole(tmp_path_factory):
 
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
-    check_killed_training("lib.cgan_training", arguments(whole.parent / "killed"), whole)
+    given = arguments(whole.parent / "killed")
+    checkpoint, n_steps = Path(given["checkpoint"]), SETTINGS["n_steps"]
+    names = {path.name for path in whole.iterdir() if path.is_file()}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow")])}
+    command = [sys.executable, "-c", CHILD, repr(given)]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
+        for line in child.stdout:
+            if int(line) >= 70:  # after 3.5 checkpoints
+                child.send_signal(signal.SIGKILL)
+                break
+    assert child.returncode == -signal.SIGKILL
+    assert not names & {path.name for path in checkpoint.parent.iterdir()}
+    _, metadata = read_model(checkpoint)
+    assert 60 <= metadata["step"] < n_steps
+    train(**given)
+    for name in names:
+        assert (checkpoint.parent / name).read_bytes() == (whole / name).read_bytes()
+    assert read_table(given["losses"])["step"].tolist() == list(range(1, n_steps + 1))
+    assert not checkpoint.exists()
     _, metadata = read_model(whole / "generator.safetensors", GENERATOR)
-    assert metadata["step"] == SETTINGS["n_steps"]
+    assert metadata["step"] == n_steps
 
 
 def test_a_loss_that_is_not_finite_ends_the_training_and_leaves_no_checkpoint(tmp_path):
