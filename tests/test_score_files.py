@@ -5,6 +5,7 @@ The published layout, the reference's maps, every form of truth, planted errors.
 
 import json
 
+import formats
 import numpy as np
 import pytest
 import xarray as xr
@@ -268,15 +269,10 @@ BIN_S = 2e-10
 @pytest.fixture
 def layer_files(tmp_path):
     """Layers of an echogram, and the same a bin and a half deeper, as CReSIS and as NetCDF."""
-    n_lines = LAYERS.shape[1]
-    start = np.datetime64("2012-03-30T12:00:00", "ns")
-    slow_time = start + np.arange(n_lines) * np.timedelta64(40, "ms")
-    flags = {name: (("layer", "slow_time"), np.ones_like(LAYERS)) for name in ("quality", "type")}
-    along = {name: ("slow_time", np.ones(n_lines)) for name in ("Latitude", "Longitude")}
+    along = dict.fromkeys(("Latitude", "Longitude", "Elevation"), ("slow_time", WAVE))
+    gps_time = formats.GPS_START + 0.04 * np.arange(WAVE.size)
     for name, off_bins in (("true", 0.0), ("made", 1.5)):
-        twtt = (("layer", "slow_time"), 3e-6 + (LAYERS + off_bins) * BIN_S)
-        layers = xr.Dataset({"twtt": twtt} | flags | along, {"slow_time": slow_time})
-        layers["Elevation"] = layers["Latitude"]
+        layers = formats.opr_layers(3e-6 + (LAYERS + off_bins) * BIN_S, gps_time).assign(along)
         write_layer_files(tmp_path / name, "20120330_04", {1: layers})
         layers.to_netcdf(tmp_path / name / "frame_layers.nc")
     return tmp_path

@@ -38,6 +38,13 @@ def toy_scenes(n):
     return [toy_scene(number) for number in range(n)]
 
 
+def logits_at(scene, moved_bins=0.0):
+    """Logits of a tracker that sees every layer of a scene so many bins too deep."""
+    row = np.arange(scene.n_range_bins)[:, None]
+    below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
+    return (6 - 4 * below).astype(np.float32)
+
+
 def with_echoes(scene):
     """The scene with echoes of its layers: each weaker than the one above, 30 dB over the noise."""
     n_layers = len(scene.layer_bins)

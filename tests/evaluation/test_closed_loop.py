@@ -15,6 +15,7 @@ from evaluation.lib.closed_loop import (
 )
 from evaluation.lib.figures.closed_loop import closed_loop as draw_closed_loop
 from snowsim import statistics
+from snowsim.echogram import layer_bins_of
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.thickness import MINIMUM_BLOCKS
 
@@ -74,13 +75,16 @@ def test_what_was_no_measurement_is_left_out_and_other_numbers_of_layers_meet(fi
 
 
 def test_planted_values_go_round_the_loop(planted, rng):
-    frames = []
-    for index in range(8):
-        wander = np.cumsum(0.1 * rng.standard_normal((4, 256)), axis=1)
-        thickness = 44 + 2 * rng.standard_normal((4, 1)) + wander
-        layer_bins = 50 + np.concatenate([np.zeros((1, 256)), np.cumsum(thickness, axis=0)])
-        power = rng.gamma(5, planted.power(layer_bins, 340) / 5)
-        frames.append(as_frame(power, layer_bins, index, bin_size_s=2.886e-10, line_spacing_m=5.47))
+    frames = [
+        as_frame(
+            echogram["Data"].values,
+            layer_bins_of(layers, echogram),
+            index,
+            bin_size_s=2.886e-10,
+            line_spacing_m=5.47,
+        )
+        for index, (echogram, layers) in enumerate(planted.flight(rng, n_frames=8, n_looks=5))
+    ]
     some = merge(thinned(summarise(*frame), 2) for frame in frames)
     assert some["n_groups"].values.tolist() == [6] * 8
     recovered = estimate(some, zone_edge_bins=np.linspace(30, 60, 5))

@@ -4,7 +4,6 @@ import formats
 import numpy as np
 import pytest
 import scipy.io
-import xarray as xr
 from formats import refused
 from numpy.testing import assert_array_equal
 
@@ -15,7 +14,6 @@ from snowsim.io.layer_files import gps_seconds, write_layer_files, write_layers
 SEGMENT = "20120330_04"
 N_LINES = 30
 GPS_TIME = formats.GPS_START + 0.0537 * np.arange(N_LINES)
-ALONG = ("layer", "slow_time")
 
 
 @pytest.fixture
@@ -24,22 +22,12 @@ def layers():
     surface = 3.0e-6 + 1e-9 * np.sin(np.arange(N_LINES))
     twtt = surface + np.array([0, 2e-8, np.nan, 5.1e-8])[:, None]
     twtt[1, 5:9] = np.nan
-    confidence = np.where(np.isnan(twtt), np.nan, 0.9)
-    dataset = xr.Dataset(
-        {
-            "twtt": (ALONG, twtt, {"units": "s"}),
-            "quality": (ALONG, np.full(twtt.shape, 2, dtype=np.uint8)),
-            "type": (ALONG, np.full(twtt.shape, 2, dtype=np.uint8)),
-            "confidence": (ALONG, confidence),
-            "twtt_low": (ALONG, twtt - 1e-9, {"units": "s"}),
-            "twtt_high": (ALONG, twtt + 1e-9, {"units": "s"}),
-        },
-        {"slow_time": utc_times(GPS_TIME, gps=True)},
-        {"season_name": "2012_Greenland_P3", "radar_name": "snow"},
-    )
+    made = formats.opr_layers(twtt, GPS_TIME)
     for name, start in (("Latitude", 70), ("Longitude", -40), ("Elevation", 2500)):
-        dataset[name] = ("slow_time", start + 1e-5 * np.arange(N_LINES))
-    return dataset
+        made[name] = ("slow_time", start + 1e-5 * np.arange(N_LINES))
+    flags = {name: 2 * made[name] for name in ("quality", "type")}
+    bounds = {"twtt_low": made["twtt"] - 1e-9, "twtt_high": made["twtt"] + 1e-9}
+    return made.assign(flags | bounds | {"confidence": 0.9 + 0 * made["twtt"]})
 
 
 def test_layer_files_read_back_to_the_same_travel_times(tmp_path, layers):

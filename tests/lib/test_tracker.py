@@ -3,9 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from edge_counts import image_counts
 from toy_scenes import toy_scenes
 
-from lib.score_tables import COUNTS, tracker_intervals
+from lib.score_tables import tracker_intervals
 from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS
@@ -19,12 +20,7 @@ RUNS = [(name, replica) for name in SETS for replica in (0, 1)]
 @pytest.fixture
 def counts(rng):
     """Counts of the fused output: two sets, two replicas, six images, three thresholds."""
-
-    def image():
-        n_matched = np.sort(rng.integers(1, 50, 3))[::-1]
-        return dict(zip(COUNTS, (n_matched, np.full(3, 60), n_matched, n_matched + 5), strict=True))
-
-    return {(name, "fuse"): [[image() for _ in range(6)] for _ in range(2)] for name in SETS}
+    return {(name, "fuse"): [image_counts(0.6, 6, rng=rng) for _ in range(2)] for name in SETS}
 
 
 def test_scores_of_a_zone_are_those_of_its_images_alone(counts):

@@ -8,7 +8,7 @@ import torch
 from numpy.testing import assert_allclose
 from runs import CONFIG
 from scipy.special import expit
-from toy_scenes import toy_scenes
+from toy_scenes import logits_at, toy_scenes
 
 from lib.resizing import resized
 from lib.transfer import check_flights, reference_of, scale_of
@@ -65,23 +65,13 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert_allclose(scale_of(farther, radar), (1, 1))
 
 
-def true_logits(scene, moved_bins=0.0):
-    """Logits that are high at every layer of a scene, or so many bins below."""
-    row = np.arange(scene.n_range_bins)[:, None]
-    below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
-    return (6 - 4 * below).astype(np.float32)
-
-
-PERFECT = Calibrated(None, SURE)
-
-
 def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
     scenes = toy_scenes(6)
     # Every third scene is picked five bins too low, at three quarters of the height.
     logits = []
     for number, scene in enumerate(scenes):
         wrong = number % 3 == 0
-        logits.append(true_logits(scene, 5.0 * wrong) * (0.75 if wrong else 1))
+        logits.append(logits_at(scene, 5.0 * wrong) * (0.75 if wrong else 1))
     found = fit_confidence(logits, scenes, SURE)
     tracker = Calibrated(None, SURE, found)
     picks = [
@@ -123,7 +113,7 @@ def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
 
 def test_a_tracker_that_sees_the_layers_scores_well_in_every_way():
     scenes = [
-        dataclasses.replace(scene, image=np.uint8(255 * expit(true_logits(scene))))
+        dataclasses.replace(scene, image=np.uint8(255 * expit(logits_at(scene))))
         for scene in toy_scenes(2)
     ]
     scores = score_tracker(Calibrated(Brightness(), SURE), scenes, (1, 1))

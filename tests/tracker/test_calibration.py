@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.special import expit
-from toy_scenes import toy_scenes
+from toy_scenes import logits_at, toy_scenes
 
 from snowsim.tracker.calibration import Ridges, calibrate, fit_logistic, reliability, ridges_of
 
@@ -40,13 +40,6 @@ def test_reliability_counts_every_pixel_in_its_class():
     assert_allclose(curve.deviation, 0.435)
 
 
-def logits_at(scene, moved_bins):
-    """Logits of a tracker that sees every layer of a scene so many bins too deep."""
-    row = np.arange(scene.n_range_bins)[:, None]
-    below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
-    return (4 - 3 * below).astype(np.float32)
-
-
 @pytest.mark.parametrize(("moved_bins", "share"), [(0, 1), (1.4, 1), (4, 0)])
 def test_a_pick_within_two_bins_is_a_hit(moved_bins, share):
     scene = toy_scenes(1)[0]
@@ -65,5 +58,5 @@ def test_scenes_with_nothing_to_pick_are_refused():
     ):
         calibrate([flat], [scene])
     bare = dataclasses.replace(scene, layer_bins=scene.layer_bins[:0])
-    ridges = ridges_of([logits_at(scene, 0)], [bare])
+    ridges = ridges_of([logits_at(scene)], [bare])
     assert not ridges.hits.any()
