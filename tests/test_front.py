@@ -221,13 +221,6 @@ def test_snow_does_not_change_with_the_arrays_it_was_made_of():
     assert snow.density_kg_m3.max() == 400
 
 
-def test_a_seed_is_the_generator_made_of_it():
-    snow = snowsim.Snowpack(**SNOW)
-    by_seed, _ = snowsim.simulate(snow, "ku-12-18", rng=1)
-    by_generator, _ = snowsim.simulate(snow, "ku-12-18", rng=np.random.default_rng(1))
-    xr.testing.assert_identical(by_seed, by_generator)
-
-
 def test_long_echograms_are_simulated_a_part_at_a_time(monkeypatch):
     monkeypatch.setattr("snowsim.front.LINES_AT_ONCE", 8)
     snow = snowsim.Snowpack(**SNOW)

@@ -1,11 +1,11 @@
-"""Flagged range lines: what is left of them, in a frame, in its statistics and in its blocks."""
+"""Flagged range lines: what is left of them, in a frame and in its statistics."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from test_cut_blocks import make_level_frame
 
-from snowsim.frames import count_flagged, cut_blocks, flatten, leave_out_flagged
+from snowsim.frames import count_flagged, flatten, leave_out_flagged
 from snowsim.statistics import summarise
 
 N_LINES = 1024
@@ -77,19 +77,3 @@ def test_what_flagged_lines_hold_enters_no_statistics(frame):
     assert (count[[14, 15, 16]] == np.array([20, 8, 20]) * 180).all()
     # Group 15 has 8 of its 20 lines left, fewer than the half that a row of an average needs.
     assert np.isnan(expected["power"].values[15]).all()
-
-
-def test_a_block_with_one_flagged_line_is_skipped_and_counted(frame):
-    echogram, layers = frame
-    echogram = flagged(echogram, no_good_data=slice(499, 512))
-    scenes, skipped = cut_blocks(*leave_out_flagged(echogram, layers), name="f")
-    # Blocks begin at 0, 250, 500, 750: the second has lines 499 to 505, the third 500 to 511.
-    assert [scene.name for scene in scenes] == ["f_000", "f_003"]
-    assert skipped == {
-        "f_001": "7 of 256 range lines flagged",
-        "f_002": "12 of 256 range lines flagged",
-    }
-    untouched, _ = cut_blocks(*frame, name="f")
-    for scene, same in zip(scenes, (untouched[0], untouched[3]), strict=True):
-        assert_array_equal(scene.image, same.image)
-        assert_array_equal(scene.layer_bins, same.layer_bins)

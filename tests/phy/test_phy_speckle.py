@@ -9,7 +9,6 @@ from snowsim.phy.speckle import (
     METHODS,
     MOST_LAGS,
     REACH,
-    correlating_taps,
     normal_quantiles,
 )
 
@@ -96,11 +95,6 @@ def test_edges_are_as_anywhere_else(rng):
     assert_allclose(5 * variance, 1, atol=4 * np.sqrt(3.2 / n_lines))
     across = np.corrcoef(deviation[:, :-1].ravel(), deviation[:, 1:].ravel())[0, 1]
     assert abs(across) < 4 * 1.5 / np.sqrt(12 * n_lines)  # range lines stay independent
-
-
-def test_filters_are_no_longer_than_the_correlation():
-    assert correlating_taps([1, 0.54, 0.06], 16).size == 3
-    assert_allclose(correlating_taps([1], 16), [1])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.picking import pick_layers
-from snowsim.picking.candidates import Candidates, find_candidates, joined
+from snowsim.picking.candidates import Candidates, find_candidates
 from snowsim.picking.confidence import confidence, half_width_rows
 from snowsim.picking.joining import join
 from snowsim.picking.linking import Linking, Piece, link
@@ -38,15 +38,6 @@ def test_peaks_of_a_parabola_are_its_vertices():
     assert_array_equal(found.first, [0, 1, 2, 3])
     assert_allclose(found.row, vertex, atol=1e-5)  # float32
     assert_array_equal(found.line, [0, 1, 2])
-
-
-def test_candidates_of_stretches_join_to_those_of_the_whole(rng):
-    log_odds = rng.standard_normal((50, 40))
-    whole = find_candidates(log_odds, 0.0)
-    stretches = np.split(log_odds, 4, axis=1)
-    parts = joined([find_candidates(stretch, 0.0) for stretch in stretches])
-    for name in ("first", "row", "log_odds"):
-        assert_array_equal(getattr(parts, name), getattr(whole, name))
 
 
 def test_a_layer_is_one_piece_over_lines_without_candidates_and_specks_are_none():
