@@ -80,15 +80,6 @@ def planted(rng, *, n_bins=400, n_lines=300, bin_s=BIN_S, spacing_m=SPACING_M, c
 
 def content_of(echogram, lines=slice(None)):
     """Of an L1B file, with the times of the test files' day."""
-    part = echogram.isel(slow_time=lines)
     number = np.arange(echogram.sizes["slow_time"])[lines]
-    content = {name: part[name].values for name in ("Data", "Latitude", "Longitude", "Surface")}
-    return content | {
-        "Time": 3e-6 + part["twtt"].values,
-        "GPS_time": formats.GPS_START + 0.0437 * number,
-        "Elevation": np.full(number.size, 2500.0),
-        "Roll": np.zeros(number.size),
-        "Pitch": np.zeros(number.size),
-        "Heading": np.zeros(number.size),
-        "Surface": 3e-6 + part["Surface"].values,
-    }
+    gps_time = formats.GPS_START + 0.0437 * number
+    return formats.content_of(echogram.isel(slow_time=lines), gps_time, 3e-6)

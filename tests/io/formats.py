@@ -64,6 +64,18 @@ def truth(rng, n_bins=N_BINS, n_lines=N_LINES, n_above=0):
     }
 
 
+def content_of(echogram, gps_time, first_s=0.0):
+    """What an L1B file holds of an echogram dataset, its travel times counted from `first_s`."""
+    names = ("Latitude", "Longitude", "Elevation")
+    return {name: echogram[name].values for name in names} | {
+        "Data": echogram["Data"].transpose("twtt", "slow_time").values,
+        "Time": first_s + echogram["twtt"].values,
+        "GPS_time": gps_time,
+        "Surface": first_s + echogram["Surface"].values,
+        **dict.fromkeys(("Roll", "Pitch", "Heading"), np.zeros(gps_time.size)),
+    }
+
+
 def slow_time(gps_time):
     """UTC of GPS seconds of that day, to the nanosecond as far as float64 seconds hold them."""
     nanoseconds = np.rint((np.asarray(gps_time) - GPS_START) * 1e9)

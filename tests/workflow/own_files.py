@@ -10,21 +10,8 @@ SURFACE_ID, NO_PICKS_ID = 60, 3
 
 def content_of(echogram, first_line):
     """Echogram dataset as `formats` takes it; range lines follow each other over frames."""
-    n_lines = echogram.sizes["slow_time"]
-    seconds = BEFORE_MIDNIGHT_S + LINE_S * (first_line + np.arange(n_lines))
-    level = np.zeros(n_lines)
-    return {
-        "Data": echogram["Data"].transpose("twtt", "slow_time").values,
-        "Time": echogram["twtt"].values,
-        "GPS_time": formats.GPS_START + seconds,
-        "Latitude": echogram["Latitude"].values,
-        "Longitude": echogram["Longitude"].values,
-        "Elevation": echogram["Elevation"].values,
-        "Surface": echogram["Surface"].values,
-        "Roll": level,
-        "Pitch": level,
-        "Heading": level,
-    }
+    line = first_line + np.arange(echogram.sizes["slow_time"])
+    return formats.content_of(echogram, formats.GPS_START + BEFORE_MIDNIGHT_S + LINE_S * line)
 
 
 def layer_names(n_layers):
