@@ -3,18 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from toy_scenes import toy_scene
 
-from snowsim.echogram import Scene
 from snowsim.patches import draw_index, draw_patches, from_signed, to_signed
-
-
-def ramp_scene(n_range_bins=60, n_range_lines=40, name="ramp"):
-    """A scene of two sloping layers, its image 3 x row + column."""
-    rows, lines = np.indices((n_range_bins, n_range_lines))
-    image = (3 * rows + lines).astype(np.uint8)
-    line = np.arange(n_range_lines)
-    layer_bins = np.array([10 + 0.25 * line, 30 + 0.5 * line])
-    return Scene(name, n_range_bins, layer_bins, image)
 
 
 def places(scene, layer_bins, n_range_bins):
@@ -24,7 +15,7 @@ def places(scene, layer_bins, n_range_bins):
 
 @pytest.mark.parametrize("flip", [False, True])
 def test_a_crop_is_a_window_of_all_maps_alike_and_half_of_them_are_mirrored(rng, flip):
-    scene = ramp_scene()
+    scene = toy_scene(1, 60, 40)
     mirrored = 0
     for _ in range(50):
         image, mask, place = (
@@ -41,7 +32,7 @@ def test_a_crop_is_a_window_of_all_maps_alike_and_half_of_them_are_mirrored(rng,
 
 
 def test_every_crop_holds_a_layer_and_every_row_of_the_scene_is_reached(rng):
-    scene = replace(ramp_scene(n_range_bins=200), layer_bins=np.full((1, 40), 50.0))
+    scene = replace(toy_scene(1, 200, 40), layer_bins=np.full((1, 40), 50.0))
     scene.image[:] = np.arange(200)[:, None]
     images, masks = zip(*(draw_patches([scene], 64, 32, rng=rng) for _ in range(500)), strict=True)
     assert all(mask.any() for mask in masks)
@@ -51,7 +42,7 @@ def test_every_crop_holds_a_layer_and_every_row_of_the_scene_is_reached(rng):
 
 
 def test_patches_of_scenes_of_unlike_size_share_the_smallest(rng):
-    scenes = [ramp_scene(60, 40, "a"), ramp_scene(80, 30, "b")]
+    scenes = [toy_scene(1, 60, 40), toy_scene(2, 80, 30)]
     images, masks = draw_patches(scenes, 64, 64, rng=rng)
     assert images.shape == masks.shape == (2, 60, 30)
 
@@ -81,5 +72,5 @@ def test_draws_take_every_item_before_any_comes_again():
     ],
 )
 def test_scenes_that_teach_nothing_are_refused_by_name(change, words, rng):
-    with pytest.raises(ValueError, match=f"scene ramp.*{words}"):
-        draw_patches([replace(ramp_scene(), **change)], 32, 32, rng=rng)
+    with pytest.raises(ValueError, match=f"scene toy 1.*{words}"):
+        draw_patches([replace(toy_scene(1, 60, 40), **change)], 32, 32, rng=rng)

@@ -1,10 +1,12 @@
 """Fixtures for the tests of files."""
 
+from dataclasses import replace
+
 import formats
 import numpy as np
 import pytest
+from toy_scenes import toy_scene
 
-from snowsim.echogram import Scene
 from snowsim.io.frame_table import read_frames
 
 
@@ -25,21 +27,20 @@ def scenes(rng):
     """Three scenes: fractional layers, gaps, a layer that leaves the window."""
     made = []
     for number, height in enumerate((300, 320, 301)):
-        lines = np.arange(256)
-        bins = (
-            50 + 30.3 * np.arange(6)[:, None] + 4 * np.sin(lines / 40) * np.arange(6)[:, None] / 5
+        drawn = toy_scene(number, height, 256, 6)
+        drawn.layer_bins[5, 201:] += height
+        scene = replace(
+            drawn,
+            name=f"20120330_04_{number + 1:03d}",
+            layer_bins=drawn.layer_bins.copy(),
+            complete_layer_bins=drawn.layer_bins,
+            noise_floor_db=-61.2345678901234,
+            maximum_db=float(rng.normal()),
+            zone=number,
+            notes={"bin_size_s": 2.886e-10},
         )
-        bins[5] += np.where(lines > 200, height, 0)
-        complete = bins.copy()
-        bins[2, 40:90] = np.nan
-        image = rng.integers(0, 256, size=(height, 256), dtype=np.uint8)
-        contrast = {
-            "noise_floor_db": -61.2345678901234,
-            "maximum_db": float(rng.normal()),
-            "zone": number,
-        }
-        name, notes = f"20120330_04_{number + 1:03d}", {"bin_size_s": 2.886e-10}
-        made.append(Scene(name, height, bins, image, complete, **contrast, notes=notes))
+        scene.layer_bins[2, 40:90] = np.nan
+        made.append(scene)
     return made
 
 

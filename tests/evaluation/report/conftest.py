@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 from result_tables import picks, table2, table3_intervals
+from toy_scenes import toy_scene
 
 from evaluation.lib.figures.style import METHODS, new_panel, save_figure
 from evaluation.lib.report import (
@@ -15,19 +15,9 @@ from evaluation.lib.report import (
     page_content,
     write_page,
 )
-from snowsim.echogram import Scene
 from snowsim.io.files import read_table
 
 REPORT = Path(__file__).parents[3] / "workflow/evaluation/report"
-
-
-def planted_scene(number, rng):
-    """A scene of the gallery: the higher its number, the more layers and bins."""
-    n_bins = 300 + 200 * number
-    layers = np.full((3 * number + 1, 256), 50.0) + 12 * np.arange(3 * number + 1)[:, None]
-    layers[-1, 100:140] = np.nan
-    image = rng.integers(60, 230, (n_bins, 256), dtype=np.uint8)
-    return Scene(f"test_{number:04d}", n_bins, layers, image=image)
 
 
 @pytest.fixture(scope="session")
@@ -59,8 +49,8 @@ def planted_page(planted_tables, paper, tmp_path_factory):
     save_figure(folder / "wave.svg", figure, "planted")
     caption = folder / "wave.rst"
     caption.write_text("A wave (paper, Fig. 6).\n")
-    rng = np.random.default_rng(11)
-    scenes = [planted_scene(number, rng) for number in range(4)]
+    # The higher its number, the more layers and bins.
+    scenes = [toy_scene(n, 300 + 200 * n, 256, 3 * n + 1) for n in range(4)]
     rows = [(scene.name, method, 0.4, 20.0) for scene in scenes for method in METHODS]
     images = pd.DataFrame(rows, columns=["scene", "method", "ssim", "psnr"])
     job = {"stage": "labels", "rule": "draw_labels", "s": 2.0, "cpu_time": 1.0, "max_rss": 512.0}
