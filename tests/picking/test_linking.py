@@ -102,14 +102,6 @@ def test_no_layer_is_joined_across_another():
     assert len(join([left, right, across])) == 3
 
 
-def test_pieces_that_are_joined_change_the_names_of_layers_not_their_order():
-    # The deeper of two runs through; a short piece between them does not come first.
-    first, second = piece_of(0, 900, 50), piece_of(0, 900, 90)
-    between = piece_of(400, 500, 70)
-    layers = join([between, second, first])
-    assert [piece.row[0] for piece in layers] == [50, 70, 90]
-
-
 def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
     weak, strong = (Piece(np.arange(200), np.full(200, 9.0), np.full(200, x)) for x in (0.2, 2.0))
     coefficients = (-0.6, 0.1, 1.1)
