@@ -1,11 +1,11 @@
 """Arrows between modules point one way."""
 
 import ast
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from processes import run_in
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {
@@ -102,9 +102,7 @@ print(*sys.modules)
 
 def loaded_with(*names):
     """Modules that are loaded where some are imported."""
-    command = [sys.executable, "-c", CHILD, *names]
-    done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
-    return set(done.stdout.split())
+    return set(run_in(PACKAGE.parent, sys.executable, "-c", CHILD, *names).split())
 
 
 def test_the_configuration_is_checked_without_what_draws_and_trains():

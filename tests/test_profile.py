@@ -18,11 +18,11 @@ each_band = pytest.mark.parametrize("band", ["accumulation", "snow-2-8", "ku-12-
 LEVEL = {"roughness_m": 0.0, "slope": 1e-5, "coherent": True}
 
 
-def steps_of_density(step_m, sd_kg_m3, *, seed=1):
+def steps_of_density(step_m, sd_kg_m3):
     """Snow of 4 m in steps of random density, denser with depth."""
     depth_m = np.arange(0, 4, step_m)
     density = 340 + 20 * depth_m
-    density += sd_kg_m3 * np.random.default_rng(seed).standard_normal(depth_m.size)
+    density += sd_kg_m3 * np.random.default_rng(1).standard_normal(depth_m.size)
     return Snowpack(depth_m, np.clip(density, 100, 917), **LEVEL)
 
 

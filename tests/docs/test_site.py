@@ -1,12 +1,12 @@
 """The pages build, fetch nothing, and have every public function."""
 
 import re
-import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from processes import run_in
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,11 +34,7 @@ def site(tmp_path_factory):
     """Folder of the documentation, built with every warning an error."""
     folder = tmp_path_factory.mktemp("site")
     options = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-d", folder / "doctrees"]
-    command = [sys.executable, "-m", "sphinx", *options, ROOT / "docs", folder / "html"]
-    done = subprocess.run(
-        [str(word) for word in command], capture_output=True, text=True, timeout=600, check=False
-    )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
+    run_in(folder, sys.executable, "-m", "sphinx", *options, ROOT / "docs", folder / "html")
     return folder / "html"
 
 

@@ -42,12 +42,3 @@ def test_easy_ends_come_back_by_the_deblended_estimator_alone(atlas):
     assert outcome["deblended"] == {"within"}
     # The recipe as printed is biased even there, as the design says.
     assert outcome["paper"] == {"within", "beyond"}
-
-
-def test_thin_slabs_and_few_looks_fail(atlas):
-    ends = atlas.set_index(["sweep", "value", "estimator", "quantity"])["largest"]
-    ends = ends.sort_index()
-    thin = ends["slab thickness [bins]", 3.0]
-    for estimator in ("deblended", "paper"):
-        assert thin[estimator, "peak_power"] > 1
-    assert ends["looks of a range line", 0.2, "paper", "decay_rate"] > 0.5

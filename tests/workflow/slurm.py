@@ -32,7 +32,7 @@ SelectTypeParameters=CR_Core_Memory
 ReturnToService=2
 MinJobAge=600
 KillWait=5
-NodeName={host} NodeAddr=127.0.0.1 CPUs={cpus} RealMemory={memory_mb} State=UNKNOWN
+NodeName={host} NodeAddr=127.0.0.1 CPUs=2 RealMemory=8000 State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP DefMemPerCPU=500
 """
 
@@ -47,7 +47,7 @@ def find(name):
 
 
 @contextmanager
-def one_node_cluster(folder, cpus=2, memory_mb=8000):
+def one_node_cluster(folder):
     """A running cluster: the folder of its client programs, to be put first on the path."""
     for name in ("state", "spool", "bin"):
         (folder / name).mkdir(parents=True)
@@ -64,7 +64,7 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
         "node_port": node_port,
     }
     user = subprocess.run(["id", "-un"], capture_output=True, text=True, check=True).stdout.strip()
-    conf.write_text(CONF.format(**values, user=user, cpus=cpus, memory_mb=memory_mb))
+    conf.write_text(CONF.format(**values, user=user))
     for name in CLIENTS:
         # Programs that know the cluster's configuration: job steps are started without SLURM's
         # variables.

@@ -13,9 +13,9 @@ from snowsim.io import read_layers
 OTHER = "20120507_03"
 
 
-def table_of(folder, names, role="track"):
+def table_of(folder, names):
     """Table of frames with the role, whose layers are not known."""
-    rows = [f"{name}\tData_{name}.mat\t\t{role}\n" for name in names]
+    rows = [f"{name}\tData_{name}.mat\t\ttrack\n" for name in names]
     path = folder / "frames.tsv"
     path.write_text("".join([f"{formats.TABLE_HEADER}\n", *rows]))
     return path
