@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from toy_scenes import toy_scene
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -20,13 +21,9 @@ def rng():
 
 
 @pytest.fixture
-def layer_bins(rng):
-    """Eight wavy layers 12 to 30 bins apart."""
-    phase = rng.uniform(0, 2 * np.pi, (8, 1))
-    amplitude = rng.uniform(0, 3, (8, 1))
-    spacing = rng.uniform(18, 30, (8, 1))
-    base = 30 + np.cumsum(spacing, axis=0)
-    return base + amplitude * np.sin(np.arange(120) / 25 + phase)
+def layer_bins():
+    """Eight wavy layers on 120 range lines, 12 to 18 bins apart."""
+    return toy_scene(1, 320, 120, 8).layer_bins
 
 
 @pytest.fixture(scope="session")

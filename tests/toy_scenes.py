@@ -6,6 +6,7 @@ Bright curved layers with decaying tails and speckle, made here from nothing els
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import expit
 
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene
@@ -43,6 +44,11 @@ def logits_at(scene, moved_bins=0.0):
     row = np.arange(scene.n_range_bins)[:, None]
     below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
     return (6 - 4 * below).astype(np.float32)
+
+
+def with_ridges(scene):
+    """The scene with an image of its layers alone: the probability that `logits_at` tells."""
+    return replace(scene, image=np.uint8(255 * expit(logits_at(scene))))
 
 
 def with_echoes(scene):

@@ -1,14 +1,12 @@
 """Flights that the shipped tracker never saw: which they are, and how it is scored on them."""
 
-import dataclasses
 
 import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose
 from runs import CONFIG
-from scipy.special import expit
-from toy_scenes import logits_at, toy_scenes
+from toy_scenes import logits_at, toy_scenes, with_ridges
 
 from lib.resizing import resized
 from lib.transfer import check_flights, reference_of, scale_of
@@ -112,10 +110,7 @@ def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
 
 
 def test_a_tracker_that_sees_the_layers_scores_well_in_every_way():
-    scenes = [
-        dataclasses.replace(scene, image=np.uint8(255 * expit(logits_at(scene))))
-        for scene in toy_scenes(2)
-    ]
+    scenes = list(map(with_ridges, toy_scenes(2)))
     scores = score_tracker(Calibrated(Brightness(), SURE), scenes, (1, 1))
     assert scores["ods"] > 0.95
     assert scores["f"] > 0.9

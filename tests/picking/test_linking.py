@@ -121,7 +121,7 @@ def test_picks_of_a_blurred_map_lie_within_a_fifth_of_a_bin(layer_bins):
     picks = pick_layers(ridges.clip(0, 1), threshold=0.3)
     assert picks.shape == layer_bins.shape
     # Log-odds near a probability of 1 rise like log |x|: a parabola errs most a third of a row from
-    # the middle of a pixel, by .19. Neighbours 9 standard deviations apart shift no peak.
+    # the middle of a pixel, by .19. Neighbours 6 standard deviations apart shift no peak.
     assert np.nanmax(np.abs(picks - layer_bins)) < 0.2
     assert np.isfinite(picks).all()
 

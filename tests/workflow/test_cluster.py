@@ -7,11 +7,15 @@ from slurm import missing_programs, one_node_cluster
 
 
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    """Folder of the client programs of a running one-node cluster."""
+def slurm_plugin():
     pytest.importorskip(
         "snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing"
     )
+
+
+@pytest.fixture(scope="module")
+def cluster(slurm_plugin, tmp_path_factory):
+    """Folder of the client programs of a running one-node cluster."""
     missing = missing_programs()
     if missing:
         pytest.skip(f"SLURM is not installed (make test-machine): {', '.join(missing)}")
@@ -41,10 +45,7 @@ def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_ta
     )
 
 
-def test_the_slurm_profile_plans_the_whole_run(tmp_path):
-    pytest.importorskip(
-        "snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing"
-    )
+def test_the_slurm_profile_plans_the_whole_run(slurm_plugin, tmp_path):
     run_snakemake(tmp_path, "--dry-run", profile="slurm")
 
 
