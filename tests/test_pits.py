@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
+from snowpacks import depth_to_delay
 
 import snowsim
 from snowsim import cli
-from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import read_dataset
 from snowsim.io.profiles import read_profile
 from snowsim.physical import Snowpack
@@ -148,18 +148,13 @@ def test_a_missing_top_and_gaps_are_told_of_and_hold_no_layer(read):
         snow = snow_of(profile)
     _, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=2, rng=1)
     below_s = layers["twtt"][:, 0] - layers["twtt"][0, 0]
-    known_s = 2 / SPEED_OF_LIGHT_M_S * optical_m(snow)
-    depth_m = np.interp(below_s, known_s, snow.depth_m[:, 0])
+    snow_m = snow.depth_m[:, 0]
+    depth_m = np.interp(below_s, depth_to_delay(snow, snow_m), snow_m)
     for above_m, below_m in ((0, 0.4), (0.6, 0.7), (1.3, 2.3)):
         assert not ((depth_m > above_m + 1e-6) & (depth_m < below_m - 1e-6)).any()
     # The others are there: 20 below the surface bound measured samples.
     assert len(depth_m) == 1 + 2 + 5 + 16
     assert (layers["power_db"] > -60).all()
-
-
-def optical_m(snow):
-    index = 1 + 0.845e-3 * snow.density_kg_m3[:-1, 0]
-    return np.append(0, np.cumsum(index * np.diff(snow.depth_m[:, 0])))
 
 
 def test_samples_reach_half_way_to_their_neighbours_and_the_last_goes_on():

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from snowpacks import depth_to_delay
 
 import snowsim
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
@@ -69,14 +70,6 @@ def simulated(snow, band):
     below = delay_s > 0
     power = echogram["Data"].values[below, 0]
     return radar, delay_s[below], power, layers["twtt"].values[:, 0] - surface_s
-
-
-def depth_to_delay(snow, depth_m):
-    """Two-way travel time from the surface [s]."""
-    index = 1 + KOVACS_M3_KG * snow.density_kg_m3[:, 0]
-    interface_m = np.append(snow.depth_m[:, 0], 100.0)
-    optical_m = np.append(0, np.cumsum(index * np.diff(interface_m)))
-    return np.interp(depth_m, interface_m, 2 * optical_m / SPEED_OF_LIGHT_M_S)
 
 
 @each_band

@@ -1,6 +1,5 @@
 """Flights that the shipped tracker never saw: which they are, and how it is scored on them."""
 
-
 import numpy as np
 import pytest
 import torch

@@ -63,8 +63,6 @@ def test_tables_hold_on_every_pixel(scene, n_range_bins, noise):
 @pytest.mark.parametrize(
     "change",
     [
-        {"variance_bins2": [0.05]},
-        {"decay_rate": [3.0]},
         {"layer_bins": [[-3.0]]},
         {"peak_power": [1e-30]},
     ],
