@@ -4,7 +4,7 @@ import numpy as np
 
 from snowsim.statistics.deblend import deblend
 from snowsim.statistics.moments import known_mean
-from snowsim.statistics.summaries import FIRST_ROW
+from snowsim.statistics.summaries import FIRST_ROW, rows_from
 
 LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
 LEAST_ERRORS = 2.0  # standard errors that a mean power must reach
@@ -49,13 +49,9 @@ def bridged(values, known):
 
 def _mean_waveforms(groups):
     """Mean of averaged lines about each layer's row, (layer, lag), 0 where there is none."""
-    n_rows = groups.power.shape[1]
-    means = np.zeros((groups.present.shape[1], LAGS.size))
-    for layer, present in enumerate(groups.present.T):
-        held = np.flatnonzero(present)
-        pick = np.rint(groups.row[held, layer]).astype(int)
-        rows = pick[:, None] - FIRST_ROW + LAGS
-        inside = (rows >= 0) & (rows < n_rows)
-        lines = groups.power[held[:, None], np.where(inside, rows, 0)].astype(float)
-        means[layer] = np.nan_to_num(known_mean(np.where(inside, lines, np.nan), axis=0))
-    return means
+    means = []
+    for row, present in zip(groups.row.T, groups.present.T, strict=True):
+        first = np.rint(row[present]).astype(int) - FIRST_ROW + LAGS[0]
+        lines = rows_from(groups.power[present], first, LAGS.size)
+        means.append(known_mean(lines.astype(float), axis=0))
+    return np.nan_to_num(means)
