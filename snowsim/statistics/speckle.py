@@ -4,6 +4,7 @@ Fading of layers along track.
 """
 
 import numpy as np
+from scipy.linalg import toeplitz
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
@@ -45,21 +46,17 @@ def looks(summary):
         "gamma_quantile": ("probability", gamma_quantile),
         "speckle_correlation": ("speckle_lag", correlation),
     }
-    tracked = in_blocks(summary, "tracked_power")
-    spectra = {}
-    for layer in range(1, min(SPECTRUM_LAYERS + 1, tracked.shape[2])):
-        power = tracked[..., layer]
-        power = power[power.mean(axis=1) > 0]
-        relative = power / power.mean(axis=1, keepdims=True)
-        density = np.abs(np.fft.rfft(relative)[:, 1:]) ** 2
-        if density.any():
-            spectrum = density.mean(axis=0)
-            spectra[layer] = np.append(0, spectrum / spectrum.mean())
-    if 1 in spectra:
-        variables["detected_power_spectrum_layer_1"] = "wavenumber", spectra[1]
-    if spectra:
-        mean = np.mean(list(spectra.values()), axis=0)
-        variables["detected_power_spectrum_layer_mean"] = "wavenumber", mean
+    power = in_blocks(summary, "tracked_power")[:, :, 1 : SPECTRUM_LAYERS + 1]
+    mean = power.mean(axis=1, keepdims=True)
+    relative = power / np.where(mean > 0, mean, np.nan)
+    density = known_mean(np.abs(np.fft.rfft(relative, axis=1)[:, 1:]) ** 2, axis=0)
+    level = density.mean(axis=0)
+    seen = level > 0
+    spectra = np.pad(density[:, seen] / level[seen], [(1, 0), (0, 0)])
+    if seen[:1].any():
+        variables["detected_power_spectrum_layer_1"] = "wavenumber", spectra[:, 0]
+    if seen.any():
+        variables["detected_power_spectrum_layer_mean"] = "wavenumber", spectra.mean(axis=1)
     return variables, n_looks
 
 
@@ -166,9 +163,9 @@ def fading(total, n, speckle):
     """Standard deviation [dB], 1/e length [lines] and exponent of fading, (3,), or NaN.
 
     Of one kind of interface, from sums of products, and of pairs, by lag (lag,). ``C(h) = s^2
-    exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at
-    lag h twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over
-    all n lines of a block. The excess at lag 0 is `speckle` [dB^2].
+    exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes,
+    which takes the mean off the rows and the columns of its covariance matrix. The excess at lag 0
+    is `speckle` [dB^2].
     """
     if n.min() < BLOCK_LINES * FEWEST_BLOCKS or total[0] <= 0:
         return np.full(3, np.nan)
@@ -177,12 +174,11 @@ def fading(total, n, speckle):
     def misfit(parameters):
         variance, length = np.exp(parameters[:2])
         shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** parameters[2]))
-        kernel = variance * np.append(1.0, shape)
-        above = np.cumsum(kernel)
-        with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
-        below = np.cumsum(with_mean[::-1])[::-1]
-        removed = 2 * below[FADING_LAGS] / (BLOCK_LINES - FADING_LAGS) - with_mean.mean()
-        expected = kernel[FADING_LAGS] - removed - speckle / BLOCK_LINES
+        kernel = np.append(variance + speckle, variance * shape)
+        matrix = toeplitz(kernel, kernel)
+        mean = matrix.mean(axis=0)
+        matrix = matrix - mean - mean[:, None] + mean.mean()
+        expected = [np.diagonal(matrix, lag).mean() for lag in FADING_LAGS]
         return (expected - covariance)[1:] * np.sqrt(n[1:] / n[1])
 
     lower = [np.log(1e-4), 0.0, 0.3]

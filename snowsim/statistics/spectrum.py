@@ -5,6 +5,7 @@ stands at fast ones, falling as the square of the wavenumber, however smooth lay
 """
 
 import numpy as np
+from scipy.signal import periodogram
 
 from snowsim.constants import BLOCK_LINES
 
@@ -61,12 +62,11 @@ def _stretches(thickness, enough):
 
 def _density(series):
     """Periodograms (series, wavenumber) at the wavenumbers of a block, constant below theirs."""
-    n = series.shape[1]
-    anomaly = series - series.mean(axis=1, keepdims=True)
-    density = 2 * np.abs(np.fft.rfft(anomaly)) ** 2 / n
-    held = np.fft.rfftfreq(n)[1:]
+    wavenumber, density = periodogram(series)
+    # Interpolated as two-sided.
+    density[:, -1] *= 2
     wanted = np.fft.rfftfreq(BLOCK_LINES)
-    on_block = np.array([np.interp(wanted, held, row[1:]) for row in density])
+    on_block = np.array([np.interp(wanted, wavenumber[1:], row[1:]) for row in density])
     on_block[:, 0] = 0
     on_block[:, -1] /= 2
     return on_block

@@ -1,6 +1,7 @@
 """Values by layer of the joint solution: peak powers, shapes, and waveforms about the layers."""
 
 import numpy as np
+import pandas as pd
 
 from snowsim.statistics.deblend import deblend
 from snowsim.statistics.moments import known_mean
@@ -41,10 +42,8 @@ def deblended_waveform(groups, tracked_power, decay):
 
 def bridged(values, known):
     """Values by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
-    held = np.flatnonzero(known)
-    logarithm = np.log(np.maximum(values[held], 1e-300))
-    between = np.interp(np.arange(known.size), held, logarithm)
-    return np.where(known, values, np.exp(between))
+    logarithm = pd.Series(np.log(np.where(known, values, np.nan)))
+    return np.exp(logarithm.interpolate(limit_direction="both").to_numpy())
 
 
 def _mean_waveforms(groups):
