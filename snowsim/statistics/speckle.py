@@ -4,7 +4,6 @@ Fading of layers along track.
 """
 
 import numpy as np
-from scipy.linalg import toeplitz
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
@@ -163,9 +162,9 @@ def fading(total, n, speckle):
     """Standard deviation [dB], 1/e length [lines] and exponent of fading, (3,), or NaN.
 
     Of one kind of interface, from sums of products, and of pairs, by lag (lag,). ``C(h) = s^2
-    exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes,
-    which takes the mean off the rows and the columns of its covariance matrix. The excess at lag 0
-    is `speckle` [dB^2].
+    exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at
+    lag h twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over
+    all n lines of a block. The excess at lag 0 is `speckle` [dB^2].
     """
     if n.min() < BLOCK_LINES * FEWEST_BLOCKS or total[0] <= 0:
         return np.full(3, np.nan)
@@ -174,11 +173,12 @@ def fading(total, n, speckle):
     def misfit(parameters):
         variance, length = np.exp(parameters[:2])
         shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** parameters[2]))
-        kernel = np.append(variance + speckle, variance * shape)
-        matrix = toeplitz(kernel, kernel)
-        mean = matrix.mean(axis=0)
-        matrix = matrix - mean - mean[:, None] + mean.mean()
-        expected = [np.diagonal(matrix, lag).mean() for lag in FADING_LAGS]
+        kernel = variance * np.append(1.0, shape)
+        above = np.cumsum(kernel)
+        with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
+        below = np.cumsum(with_mean[::-1])[::-1]
+        removed = 2 * below[FADING_LAGS] / (BLOCK_LINES - FADING_LAGS) - with_mean.mean()
+        expected = kernel[FADING_LAGS] - removed - speckle / BLOCK_LINES
         return (expected - covariance)[1:] * np.sqrt(n[1:] / n[1])
 
     lower = [np.log(1e-4), 0.0, 0.3]

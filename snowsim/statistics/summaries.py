@@ -91,13 +91,16 @@ def summarise(echogram, layers, where="frame"):
         "n_outside": n_outside,
         "power_sum": np.nansum(tracked, dtype=float),
     }
-    variables = {name: ("frame", np.array([value])) for name, value in of_frame.items()}
-    variables["depth_bins"] = ("range_line", "layer"), (layer_bins - surface).T.astype(np.float32)
-    variables["tracked_power"] = ("range_line", "layer"), tracked.T.astype(np.float32)
-    variables["surface_bins"] = "range_line", layer_bins[0].astype(np.float32)
-    variables |= _averaged(power, layer_bins - surface_row, surface_row, n_groups)
-    variables |= _air(power, surface_row - AIR_MARGIN_BINS, n_groups)
-    return xr.Dataset(variables, attrs={"content": CONTENT})
+    of_lines = {
+        "depth_bins": (("layer", "range_line"), layer_bins - surface),
+        "tracked_power": (("layer", "range_line"), tracked),
+        "surface_bins": ("range_line", layer_bins[0]),
+    }
+    summary = xr.Dataset(of_lines).astype(np.float32).transpose("range_line", ...)
+    summary = summary.assign(xr.Dataset(of_frame).expand_dims("frame"))
+    summary = summary.assign(_averaged(power, layer_bins - surface_row, surface_row, n_groups))
+    summary = summary.assign(_air(power, surface_row - AIR_MARGIN_BINS, n_groups))
+    return summary.assign_attrs(content=CONTENT)
 
 
 def _averaged(power, rows, surface_row, n_groups):
@@ -219,7 +222,7 @@ def merge(summaries):
 
 def numbered(of_frame):
     """Numbers from 0 of so many things in each frame, of all frames."""
-    return np.arange(of_frame.sum()) - np.repeat(of_frame.cumsum() - of_frame, of_frame)
+    return np.concatenate(list(map(np.arange, of_frame)))
 
 
 def in_stretches(summary, name, n_lines, n_whole):

@@ -76,9 +76,8 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     edges = np.asarray(zone_edge_bins, dtype=float)
     zone = zone_of(level, edges)
     # The middle of a zone without blocks.
-    typical = (edges[:-1] + edges[1:]) / 2
-    for z in np.unique(zone):
-        typical[z] = level[zone == z].mean()
+    middle = pd.Series((edges[:-1] + edges[1:]) / 2)
+    typical = pd.Series(level).groupby(zone).mean().combine_first(middle).to_numpy()
     blocks = Blocks(mean, level, zone, typical)
     by_layers = np.zeros((typical.size, n_layers), dtype=int)
     np.add.at(by_layers, (zone, n_below[placed]), 1)

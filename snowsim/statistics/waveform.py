@@ -20,12 +20,10 @@ def deblended_waveform(groups, tracked_power, decay):
     layers: always positive, as only that can be rendered; such a layer is `substituted`.
     """
     variables, powers = deblend(groups, decay)
-    n = np.isfinite(powers).sum(axis=0)
-    solved = known_mean(powers, axis=0)
-    scatter = known_mean((powers - solved) ** 2, axis=0)
-    # A single value is taken as its own scatter.
-    variance_of_mean = np.where(n > 1, scatter / np.maximum(n - 1, 1), solved**2)
-    reliable = solved > LEAST_ERRORS * np.sqrt(variance_of_mean)
+    by_layer = pd.DataFrame(powers)
+    solved = by_layer.mean().to_numpy()
+    # A single value has no error, and is not reliable.
+    reliable = solved > LEAST_ERRORS * by_layer.sem().to_numpy()
     above_noise = np.maximum(tracked_power - groups.noise_power, 0)
     seen = above_noise > 0
     both = reliable & seen
