@@ -1,6 +1,7 @@
 """Values that label sets read from flight statistics, each checked as it is read."""
 
 import numpy as np
+import pandas as pd
 
 from snowsim.echogram import check_choice
 from snowsim.limits import check_values
@@ -18,20 +19,17 @@ def values_of(statistics, name, dims):
     return values
 
 
-def values_by_layer(statistics, name):
-    """Positive values (layer,); a layer without one takes that of the nearest layer above."""
+def of_uppermost(statistics, name, n_layers):
+    """Positive values of the uppermost layers, (layer,).
+
+    A layer without one, or below the flight's last, takes that of the nearest layer above.
+    """
     check_choice("a flight statistic", name, list(map(str, statistics.variables)))
     values = statistics[name].values.astype(float)
     check_values(f"flight statistics: {name} at layer 0", values[0], 0, above=True)
     usable = np.isfinite(values) & (values > 0)
-    nearest_above = np.maximum.accumulate(np.where(usable, np.arange(values.size), 0))
-    return values[nearest_above]
-
-
-def of_uppermost(statistics, name, n_layers):
-    """Values of the uppermost layers, (layer,); layers below the flight's last take its value."""
-    values = values_by_layer(statistics, name)
-    return values[np.minimum(np.arange(n_layers), values.size - 1)]
+    nearest_above = pd.Series(values).where(usable).ffill()
+    return nearest_above.reindex(range(n_layers), method="ffill").to_numpy()
 
 
 def radar_of(statistics):

@@ -150,17 +150,16 @@ def _first_shapes(starts, kind, lines):
     # One round on a quarter of the lines leads from each start to where a fit to all lines begins.
     tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
     fitted = []
-    for shape, _ in sorted(tried, key=lambda found: found[1]):
+    for shape, _ in tried:
         # A fit changes the scales of its lines, so each has copies.
         own_lines = [replace(line) for line in lines]
-        shape, loss = _fit_shapes(shape, kind, own_lines)
-        fitted.append((loss, shape, own_lines))
-    inside = [found for found in fitted if _is_inside(found[1])]
+        fitted.append((*_fit_shapes(shape, kind, own_lines), own_lines))
+    inside = [found for found in fitted if _is_inside(found[0])]
     if not inside:
         msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
         msg += "decay_rate, variance_bins2 and offset_bins"
         warnings.warn(msg, UserWarning, stacklevel=2)
-    _, shape, lines = min(inside or fitted, key=lambda found: found[0])
+    shape, _, lines = min(inside or fitted, key=lambda found: found[1])
     return shape, lines
 
 

@@ -68,17 +68,24 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     the decay rate of the deepest layer in `paper` is NaN.
     """
     check_choice("estimator", estimator, ESTIMATORS)
-    noise_power = noise(summary)
     n_picks = summary["n_picks"].values
-    n_groups = (2 * n_picks >= GROUP_LINES).sum(axis=0)
+    present = 2 * n_picks >= GROUP_LINES
+    n_groups = present.sum(axis=0)
+    n_frames = summary.sizes["frame"]
+    what = f"groups of {GROUP_LINES} range lines with the surface picked in {n_frames} frames"
+    check_count(what, n_groups[0], MINIMUM_GROUPS)
+    # Layers that are in enough of them.
     n_layers = np.flatnonzero(n_groups >= MINIMUM_GROUPS)[-1] + 1
     summary = summary.isel(layer=slice(n_layers))
-    variables, groups, powers, decay = waveform(summary, noise_power, estimator)
+    parts = (summary[name].values for name in ("power", "position", "spread"))
+    groups = Groups(*parts, present[:, :n_layers], noise(summary))
+    variables, powers, decay = waveform(summary, groups, estimator)
     of_looks, n_looks = looks(summary)
-    options = {"estimator": estimator, "zone_edge_bins": zone_edge_bins}
-    of_thickness, counts = thickness_statistics(summary, **options)
+    of_thickness, counts = thickness_statistics(
+        summary, estimator=estimator, zone_edge_bins=zone_edge_bins
+    )
     varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
-    variables |= {"noise_power": ((), noise_power)} | of_looks | of_thickness | varies
+    variables |= {"noise_power": groups.noise_power} | of_looks | of_thickness | dict(varies)
     coords = {"lag": LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
     coords["wavenumber"] = np.fft.rfftfreq(BLOCK_LINES)
     attrs = {
@@ -88,7 +95,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         "line_spacing_m": float(np.median(summary["line_spacing_m"])),
         "n_looks": n_looks,
         "radiometry_missing": ", ".join(missing),
-        "n_frames": summary.sizes["frame"],
+        "n_frames": n_frames,
         "n_range_lines": summary.sizes["range_line"],
         "n_layers_seen": int(n_picks.any(axis=0).sum()),
         "n_picks_outside": int(summary["n_outside"].sum()),
@@ -99,41 +106,34 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
 
 
 def noise(summary):
-    """Noise power, the mean over the air of all groups; first of all, groups need a surface."""
-    n_surface = (2 * summary["n_picks"].values[:, :1] >= GROUP_LINES).sum()
-    n_frames = summary.sizes["frame"]
-    what = f"groups of {GROUP_LINES} range lines with the surface picked in {n_frames} frames"
-    check_count(what, n_surface, MINIMUM_GROUPS)
+    """Noise power, the mean over the air of all groups."""
     n_air = summary["air_count"].values
     what = f"noise: averaged lines with air {AIR_MARGIN_BINS} range bins above the surface"
     check_count(what, (n_air > 0).sum())
     return summary["air_sum"].values.sum() / n_air.sum()
 
 
-def waveform(summary, noise_power, estimator):
-    """Variables by layer, the flight's `Groups`, and powers and decay rates (group, layer)."""
-    present = 2 * summary["n_picks"].values >= GROUP_LINES
-    parts = (summary[name].values for name in ("power", "position", "spread"))
-    groups = Groups(*parts, present, noise_power)
+def waveform(summary, groups, estimator):
+    """Variables by layer, and powers and decay rates (group, layer)."""
     tracked = summary["tracked_power"].values.astype(float)
     tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
     decay, width = measure_groups(groups)
+    widths = width[np.isfinite(width)]
+    check_count("averaged layers whose power falls to 1/e before the next", widths.size)
     if estimator == "paper":
         variables = paper_waveform(tracked_power, decay, width)
         # Power on the picks less noise, with its neighbours' tails.
         n_groups = summary["n_groups"].values
         of_groups = in_stretches(summary, "tracked_power", GROUP_LINES, n_groups)
-        powers = known_mean(of_groups, axis=1) - noise_power
+        powers = known_mean(of_groups, axis=1) - groups.noise_power
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
-    widths = np.sort(width[np.isfinite(width)])
-    check_count("averaged layers whose power falls to 1/e before the next", widths.size)
     half = np.sqrt(3) * widths.std()
-    bounds = np.clip(widths.mean() + [-half, half], widths[0], widths[-1])
+    bounds = np.clip(widths.mean() + [-half, half], widths.min(), widths.max())
     variables["width_bound_bins"] = "bound", bounds
     variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
-    variables["n_groups"] = "layer", present.sum(axis=0)
-    return variables, groups, powers, decay
+    variables["n_groups"] = "layer", groups.present.sum(axis=0)
+    return variables, powers, decay
 
 
 def _rounded(statistics):

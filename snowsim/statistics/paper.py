@@ -4,6 +4,7 @@ Tracked-bin powers, eq. (2) decay rates and 1/e widths of averaged range lines.
 """
 
 import numpy as np
+import pandas as pd
 
 from snowsim.limits import check_count
 from snowsim.statistics.moments import known_mean
@@ -23,26 +24,22 @@ def paper_waveform(tracked_power, decay, width):
     decay rate. A layer without values takes those of the one above (or below), and is
     `substituted`.
     """
-    n_layers = tracked_power.size
     picked = tracked_power > 0
-    substituted = ~picked
-    means = []
-    for values in (decay[:, :-1], width):
-        known = np.isfinite(values)
-        held = np.flatnonzero(known.any(axis=0))
-        if values.shape[1]:
-            check_count("averaged lines whose power falls to 1/e between two layers", held.size)
-        nearest = np.searchsorted(held, np.arange(values.shape[1]), side="right") - 1
-        source = held[np.maximum(nearest, 0)]
-        means.append(known_mean(values, axis=0)[source])
-        substituted[: values.shape[1]] |= ~known.any(axis=0)
-    decay_rate, width_bins = means
+    means = pd.DataFrame({"decay": known_mean(decay, axis=0), "width": known_mean(width, axis=0)})
+    if len(means) > 1:
+        what = "averaged lines whose power falls to 1/e between two layers"
+        check_count(what, np.isfinite(decay).sum())
+    unknown = means.isna()
+    unknown.iloc[-1, 0] = False
+    nearest = means.ffill().bfill()
+    nearest.iloc[-1, 0] = np.nan
+    substituted = ~picked | unknown.any(axis=1)
     return {
         "peak_power": ("layer", bridged(tracked_power, picked)),
-        "decay_rate": ("layer", np.append(decay_rate, np.nan)),
-        "width_bins": ("layer", width_bins),
-        "variance_bins2": ("layer", width_bins),
-        "offset_bins": ("layer", np.zeros(n_layers)),
+        "decay_rate": ("layer", nearest["decay"].to_numpy()),
+        "width_bins": ("layer", nearest["width"].to_numpy()),
+        "variance_bins2": ("layer", nearest["width"].to_numpy()),
+        "offset_bins": ("layer", np.zeros(len(means))),
         "substituted": ("layer", substituted.astype(np.int64)),
     }
 
@@ -60,10 +57,10 @@ def measure_groups(groups):
     decay_rate = np.full(present.shape, np.nan)
     width = np.full(present.shape, np.nan)
     rows = np.where(present, np.rint(groups.row) - FIRST_ROW, np.nan)
-    above = np.pad(rows[:, :-1], [(0, 0), (1, 0)], constant_values=np.nan)
-    below = np.pad(rows[:, 1:], [(0, 0), (0, 1)], constant_values=np.nan)
-    start = np.maximum(rows - np.fmin(PEAK_REACH_BINS, (rows - above) // 2), 0)
-    end = np.where(np.isfinite(below), below, rows + OPEN_END_BINS)
+    above = np.diff(rows, prepend=np.nan)
+    below = np.diff(rows, append=np.nan)
+    start = np.maximum(rows - np.fmin(PEAK_REACH_BINS, above // 2), 0)
+    end = rows + np.where(np.isfinite(below), below, OPEN_END_BINS)
     end = np.minimum(end, groups.power.shape[1] - 1)
     middle = rows + np.minimum(PEAK_REACH_BINS, (end - rows) // 2)
     bounds = np.stack([start, middle, end], axis=2)
@@ -75,11 +72,8 @@ def measure_groups(groups):
             continue
         peak = first + np.nanargmax(window)
         fall = line[peak : end + 1]
-        if fall.size == 0:
-            continue
         lowest = np.nanargmin(fall)
-        closed = np.isfinite(below[group, layer])
-        if closed and lowest > 0 and 0 < fall[lowest] < fall[0]:
+        if np.isfinite(below[group, layer]) and 0 < fall[lowest] < fall[0]:
             decay_rate[group, layer] = -np.log(fall[lowest] / fall[0]) / lowest
         target = fall[0] / np.e
         reached = np.flatnonzero(fall[: lowest + 1] <= target)

@@ -4,6 +4,8 @@ Between blocks, along track, in unpicked snow and below the last pick.
 """
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 from scipy.optimize import nnls
 from scipy.signal import find_peaks
 from scipy.special import polygamma
@@ -13,7 +15,7 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.deblend import BACKGROUND_RISE
 from snowsim.statistics.moments import DB, decibels, known_mean
 from snowsim.statistics.speckle import fading, fading_products
-from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, numbered
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, numbered, rows_from
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
 FEWEST_GAINS = 20  # groups needed to estimate gain from line to line
@@ -48,13 +50,13 @@ def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
       and its `background_spread_db`; spacing and height of the echoes that rise out of it below the
       last pick, `further_spacing_bins` and `further_rise_db`.
     """
-    blocks = _blocks(summary)
+    block = _block_of_groups(summary)
     unpicked, law = _unpicked(groups, powers, waveform)
-    n_air = np.maximum(blocks @ summary["air_count"].values, 1)
-    noise_db = decibels(blocks @ summary["air_sum"].values / n_air)
-    power_db = decibels(_means(powers, blocks))
+    air = summary[["air_sum", "air_count"]].to_dataframe().groupby(block).sum()
+    noise_db = decibels(air["air_sum"] / air["air_count"])
+    power_db = decibels(_block_means(powers, block))
     common_db, layer_db = common_and_own_spread(power_db[:, 1:])
-    spacing_bins, rise_db = _further(groups, blocks, n_looks)
+    spacing_bins, rise_db = _further(groups, block, n_looks)
     gains = summary["gain_variance"].values
     gain_db = np.nan
     if np.isfinite(gains).sum() >= FEWEST_GAINS:
@@ -63,49 +65,42 @@ def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
     fades = [fading(*products, speckle_db2) for products in fading_products(summary, powers)]
     fading_db, fading_lines, fading_exponent = np.transpose(fades)
     variables = {
-        "noise_spread_db": ((), _deviation(noise_db)),
-        "surface_to_noise_spread_db": ((), _deviation(power_db[:, 0] - noise_db)),
-        "common_spread_db": ((), common_db),
-        "layer_spread_db": ((), layer_db),
-        "decay_spread": ((), _decay_spread(decay_rate, blocks)),
-        "background_spread_db": ((), _deviation(decibels(_means(unpicked, blocks)))),
-        "line_gain_spread_db": ((), gain_db),
-        "further_spacing_bins": ((), spacing_bins),
-        "further_rise_db": ((), rise_db),
+        "noise_spread_db": _deviation(noise_db),
+        "surface_to_noise_spread_db": _deviation(power_db[:, 0] - noise_db),
+        "common_spread_db": common_db,
+        "layer_spread_db": layer_db,
+        "decay_spread": _decay_spread(decay_rate, block),
+        "background_spread_db": _deviation(decibels(_block_means(unpicked, block))),
+        "line_gain_spread_db": gain_db,
+        "further_spacing_bins": spacing_bins,
+        "further_rise_db": rise_db,
         "fading_spread_db": ("interface", fading_db),
         "fading_length_lines": ("interface", fading_lines),
         "fading_exponent": ("interface", fading_exponent),
         "background_power": ("fall", law),
     }
-    missing = []
-    for name, (dims, values) in variables.items():
-        known = np.isfinite(values)
-        variables[name] = dims, np.where(known, values, CONSTANT.get(name, 0.0))
-        if not known.all():
-            missing.append(name)
-    return variables, missing
+    found = xr.Dataset(variables)
+    missing = [name for name, values in found.items() if values.isnull().any()]
+    return found.fillna({name: CONSTANT.get(name, 0.0) for name in missing}), missing
 
 
-def _blocks(summary):
-    """Whether a group is in a block, (block, group), of all frames.
+def _block_of_groups(summary):
+    """Number of the block that a group is in, (group,), of all frames.
 
-    In no block are groups beyond the last whole one; a frame shorter than a block counts as one.
+    NaN for groups beyond the last whole one; a frame shorter than a block counts as one.
     """
     n_groups = summary["n_groups"].values
     n_blocks = np.maximum(n_groups * GROUP_LINES // BLOCK_LINES, np.minimum(n_groups, 1))
-    first = np.repeat(n_blocks.cumsum() - n_blocks, n_groups)
     number = (numbered(n_groups) + 0.5) * GROUP_LINES // BLOCK_LINES
-    whole = number < np.repeat(n_blocks, n_groups)
-    return whole & (first + number == np.arange(n_blocks.sum())[:, None])
+    number[number >= np.repeat(n_blocks, n_groups)] = np.nan
+    return number + np.repeat(n_blocks.cumsum() - n_blocks, n_groups)
 
 
-def _means(values, blocks):
+def _block_means(values, block):
     """Means over the groups of each block, (block, ...), NaN where fewer than half have one."""
-    known = np.isfinite(values)
-    n = blocks @ known.astype(float)
-    n_groups = blocks @ np.ones(known.shape)
-    total = blocks @ np.where(known, values, 0)
-    return np.where(2 * n >= n_groups, total / np.maximum(n, 1), np.nan)
+    by_block = pd.DataFrame(values).groupby(block)
+    often = 2 * by_block.count().to_numpy() >= by_block.size().to_numpy()[:, None]
+    return by_block.mean().where(often).to_numpy()
 
 
 def _deviation(values):
@@ -136,27 +131,22 @@ def common_and_own_spread(power_db):
     return np.sqrt(common), np.sqrt(total - common)
 
 
-def _decay_spread(decay_rate, blocks):
+def _decay_spread(decay_rate, block):
     """Standard deviation of block means of log decay rate about each layer's mean.
 
     Less the part due to scatter within blocks.
     """
-    logarithm = np.log(np.where(decay_rate > 0, decay_rate, np.nan))
-    known = np.isfinite(logarithm)
-    known &= known.sum(axis=0) >= 2
-    deviation = np.where(known, logarithm - known_mean(logarithm, axis=0), 0)
-    n = blocks @ known.sum(axis=1)
-    mean = (blocks @ deviation.sum(axis=1)) / np.maximum(n, 1)
-    within = blocks @ (deviation**2).sum(axis=1) - n * mean**2
-    enough = n >= 2
-    n, mean, within = n[enough], mean[enough], within[enough]
-    if n.size < FEWEST:
+    logarithm = pd.DataFrame(np.log(np.where(decay_rate > 0, decay_rate, np.nan)), index=block)
+    logarithm = logarithm.loc[:, logarithm.count() >= 2]
+    by_block = (logarithm - logarithm.mean()).stack().groupby(level=0)
+    of_blocks = by_block.agg(["mean", "var", "count"]).dropna()
+    if len(of_blocks) < FEWEST:
         return np.nan
-    chance = within / (n - 1) / n
-    return np.sqrt(max(mean.var(ddof=1) - chance.mean(), 0.0))
+    chance = of_blocks["var"] / of_blocks["count"]
+    return np.sqrt(max(of_blocks["mean"].var() - chance.mean(), 0.0))
 
 
-def _further(groups, blocks, n_looks):
+def _further(groups, block, n_looks):
     """Mean spacing [bins] and rise [dB] of echoes in a block's mean profile below its last pick.
 
     They rise out of speckle over the profile beside them; NaN where there is none. The last pick is
@@ -164,15 +154,15 @@ def _further(groups, blocks, n_looks):
     """
     rises_db = []
     total_rows = 0
-    for members in map(np.flatnonzero, blocks):
+    for number in np.unique(block[np.isfinite(block)]):
+        members = np.flatnonzero(block == number)
         often = 2 * groups.present[members].sum(axis=0) >= members.size
         if not often[1:].any():
             continue
         last = np.flatnonzero(often)[-1]
         members = members[groups.present[members, last]]
         first = np.rint(groups.row[members, last]).astype(int) - FIRST_ROW + BELOW_BINS
-        below = np.arange(max(groups.power.shape[1] - first.max(), 0))
-        lines = groups.power[members[:, None], first[:, None] + below]
+        lines = rows_from(groups.power[members], first, groups.power.shape[1])
         lines = lines[:, np.isfinite(lines).all(axis=0)].astype(float)
         if lines.shape[1] < FEWEST_ROWS:
             continue

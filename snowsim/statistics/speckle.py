@@ -45,21 +45,17 @@ def looks(summary):
         "gamma_quantile": ("probability", gamma_quantile),
         "speckle_correlation": ("speckle_lag", correlation),
     }
-    tracked = in_blocks(summary, "tracked_power")
-    spectra = {}
-    for layer in range(1, min(SPECTRUM_LAYERS + 1, tracked.shape[2])):
-        power = tracked[..., layer]
-        power = power[power.mean(axis=1) > 0]
-        relative = power / power.mean(axis=1, keepdims=True)
-        density = np.abs(np.fft.rfft(relative)[:, 1:]) ** 2
-        if density.any():
-            spectrum = density.mean(axis=0)
-            spectra[layer] = np.append(0, spectrum / spectrum.mean())
-    if 1 in spectra:
-        variables["detected_power_spectrum_layer_1"] = "wavenumber", spectra[1]
-    if spectra:
-        mean = np.mean(list(spectra.values()), axis=0)
-        variables["detected_power_spectrum_layer_mean"] = "wavenumber", mean
+    power = in_blocks(summary, "tracked_power")[:, :, 1 : SPECTRUM_LAYERS + 1]
+    mean = power.mean(axis=1, keepdims=True)
+    relative = power / np.where(mean > 0, mean, np.nan)
+    density = known_mean(np.abs(np.fft.rfft(relative, axis=1)[:, 1:]) ** 2, axis=0)
+    level = density.mean(axis=0)
+    seen = level > 0
+    spectra = np.pad(density[:, seen] / level[seen], [(1, 0), (0, 0)])
+    if seen[:1].any():
+        variables["detected_power_spectrum_layer_1"] = "wavenumber", spectra[:, 0]
+    if seen.any():
+        variables["detected_power_spectrum_layer_mean"] = "wavenumber", spectra.mean(axis=1)
     return variables, n_looks
 
 

@@ -5,8 +5,10 @@ stands at fast ones, falling as the square of the wavenumber, however smooth lay
 """
 
 import numpy as np
+from scipy.signal import periodogram
 
 from snowsim.constants import BLOCK_LINES
+from snowsim.statistics.moments import known_mean
 
 MINIMUM_SERIES = 4  # without gaps; a slab of a zone with fewer takes all zones, then the slab above
 SHORTEST = 16  # [range lines] of stretches without gaps that blocks are cut into
@@ -26,24 +28,18 @@ def thickness_spectra(thickness, blocks):
     zone = np.repeat(blocks.zone, n_parts)
     level = np.repeat(blocks.level, n_parts)
     whole = np.isfinite(series).all(axis=2)
-    shape = (blocks.typical.size, series.shape[1])
-    psd = np.zeros((*shape, BLOCK_LINES // 2 + 1))
-    n = np.zeros(shape, dtype=int)
-    np.add.at(n, zone, whole)
-    n_in_all = n.sum(axis=0)
-    for z, slab in np.ndindex(shape):
-        held = whole[:, slab]
-        share = np.ones(len(held))
-        if n[z, slab] >= MINIMUM_SERIES:
-            held = held & (zone == z)
-        elif n_in_all[slab] >= MINIMUM_SERIES or slab == 0:
-            share = blocks.typical[z] / level
-        else:
-            psd[z, slab] = psd[z, slab - 1]
-            continue
-        if held.any():
-            density = _density(series[held, slab]) * share[held, None] ** 2
-            psd[z, slab] = density.mean(axis=0)
+    wavenumber, density = periodogram(series)
+    of_all = known_mean(density / level[:, None, None] ** 2, axis=0)
+    n = np.array([whole[zone == z].sum(axis=0) for z in range(blocks.typical.size)])
+    own = n >= MINIMUM_SERIES
+    known = own | (n.sum(axis=0) >= MINIMUM_SERIES)
+    source = np.maximum.accumulate(np.where(known, np.arange(n.shape[1]), 0), axis=1)
+    psd = []
+    for z, typical in enumerate(blocks.typical):
+        of_zone = known_mean(density[zone == z], axis=0)
+        of_zone = np.where(own[z, :, None], of_zone, of_all * typical**2)
+        psd.append(np.nan_to_num(of_zone[source[z]]))
+    psd = np.apply_along_axis(_on_block, 2, psd, wavenumber)
     on = ("zone", "slab")
     return {"thickness_psd": ((*on, "wavenumber"), psd), "n_psd_samples": (on, n)}
 
@@ -59,14 +55,11 @@ def _stretches(thickness, enough):
         length //= 2
 
 
-def _density(series):
-    """Periodograms (series, wavenumber) at the wavenumbers of a block, constant below theirs."""
-    n = series.shape[1]
-    anomaly = series - series.mean(axis=1, keepdims=True)
-    density = 2 * np.abs(np.fft.rfft(anomaly)) ** 2 / n
-    held = np.fft.rfftfreq(n)[1:]
-    wanted = np.fft.rfftfreq(BLOCK_LINES)
-    on_block = np.array([np.interp(wanted, held, row[1:]) for row in density])
-    on_block[:, 0] = 0
-    on_block[:, -1] /= 2
+def _on_block(density, wavenumber):
+    """Density (wavenumber,) at the wavenumbers of a block, constant below its first, 0 at 0."""
+    # Interpolated as if two-sided, in which the Nyquist wavenumber is no exception.
+    two_sided = np.append(density[1:-1], 2 * density[-1])
+    on_block = np.interp(np.fft.rfftfreq(BLOCK_LINES), wavenumber[1:], two_sided)
+    on_block[0] = 0
+    on_block[-1] /= 2
     return on_block

@@ -5,6 +5,7 @@ order.
 """
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES
@@ -24,7 +25,7 @@ ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
-CONTENT = "snowsim flight summary 5"
+CONTENT = "snowsim flight summary 6"
 
 
 def summarise(echogram, layers, where="frame"):
@@ -52,9 +53,9 @@ def summarise(echogram, layers, where="frame"):
         own row; `tracked_power (layer)` in the bin of each pick; `surface_bins`. By `group`:
         averaged `power (row)` from `FIRST_ROW` below the surface, NaN outside the record; `position
         (layer, part)` and `spread`, mean row and its variance by halves of the picks in order of
-        depth; `n_picks (layer)`; of power in the air `air_sum`, `air_count`, `air_products` and
-        `air_pairs (air_lag)`, see `_air`, and `gain_variance`, of the gain from line to line
-        [nepers^2].
+        depth; `n_picks (layer)`; of power in the air `air_sum`, `air_count` and `gain_variance`, of
+        the gain from line to line [nepers^2]. By `frame` and `air_lag`, `air_products` and
+        `air_pairs` of the air, see `_air`.
 
     Raises
     ------
@@ -64,23 +65,21 @@ def summarise(echogram, layers, where="frame"):
     check_echogram(echogram, where)
     check_layers(layers, where)
     power = np.ascontiguousarray(echogram["Data"].transpose("slow_time", "twtt").values)
-    layer_bins = layer_bins_of(layers, echogram)
     n_lines, n_bins = power.shape
     empty = (power == 0).all(axis=1)
     power = np.where(empty[:, None], np.nan, power)
-    outside = (layer_bins <= -0.5) | (layer_bins >= n_bins - 0.5)
-    outside |= empty & np.isfinite(layer_bins)
-    layer_bins = np.where(outside, np.nan, layer_bins)
-    lines = np.arange(n_lines)
-    known = np.isfinite(layer_bins[0])
-    if not known.any():
-        layer_bins[:] = np.nan
-    n_groups = n_lines // GROUP_LINES * known.any()
-    surface = np.interp(lines, lines[known], layer_bins[0, known]) if known.any() else 0.0 * lines
-    surface_row = np.rint(surface).astype(np.int64)
+    layer_bins = layer_bins_of(layers, echogram)
+    inside = (layer_bins > -0.5) & (layer_bins < n_bins - 0.5) & ~empty
+    n_outside = (np.isfinite(layer_bins) & ~inside).sum()
+    layer_bins = np.where(inside, layer_bins, np.nan)
+    surface = pd.Series(layer_bins[0]).interpolate(limit_direction="both").to_numpy()
+    # Without a surface pick, it is NaN throughout.
+    layer_bins = np.where(np.isfinite(surface), layer_bins, np.nan)
+    surface_row = np.rint(np.nan_to_num(surface)).astype(np.int64)
+    n_groups = n_lines // GROUP_LINES * np.isfinite(surface).any()
     rows = np.rint(np.nan_to_num(layer_bins)).astype(int)
-    tracked = np.where(np.isfinite(layer_bins), power[lines, rows], np.nan).astype(np.float32)
-    spacing_m = np.diff(along_track_m(echogram)) if n_lines > 1 else np.full(1, np.nan)
+    tracked = np.where(np.isfinite(layer_bins), power[np.arange(n_lines), rows], np.nan)
+    spacing_m = np.diff(along_track_m(echogram))
     what = f"{where}: neighbouring range lines with Latitude and Longitude"
     check_count(what, np.isfinite(spacing_m).sum())
     of_frame = {
@@ -89,26 +88,27 @@ def summarise(echogram, layers, where="frame"):
         "line_spacing_m": np.nanmedian(spacing_m),
         "n_lines": n_lines,
         "n_groups": n_groups,
-        "n_outside": outside.sum(),
+        "n_outside": n_outside,
         "power_sum": np.nansum(tracked, dtype=float),
     }
-    variables = {name: ("frame", np.array([value])) for name, value in of_frame.items()}
-    variables["depth_bins"] = ("range_line", "layer"), (layer_bins - surface).T.astype(np.float32)
-    variables["tracked_power"] = ("range_line", "layer"), tracked.T
-    variables["surface_bins"] = "range_line", layer_bins[0].astype(np.float32)
-    variables |= _averaged(power, layer_bins - surface_row, surface_row, n_groups)
-    variables |= _air(power, surface_row - AIR_MARGIN_BINS, n_groups)
-    return xr.Dataset(variables, attrs={"content": CONTENT})
+    of_lines = {
+        "depth_bins": (("layer", "range_line"), layer_bins - surface),
+        "tracked_power": (("layer", "range_line"), tracked),
+        "surface_bins": ("range_line", layer_bins[0]),
+    }
+    summary = xr.Dataset(of_lines).astype(np.float32).transpose("range_line", ...)
+    summary = summary.assign(xr.Dataset(of_frame).expand_dims("frame"))
+    summary = summary.assign(_averaged(power, layer_bins - surface_row, surface_row, n_groups))
+    summary = summary.assign(_air(power, surface_row - AIR_MARGIN_BINS, n_groups))
+    return summary.assign_attrs(content=CONTENT)
 
 
 def _averaged(power, rows, surface_row, n_groups):
     """Variables of averaged lines and of the layers' rows (layer, range_line) in them."""
     n_rows = int(np.ceil(np.nanmax(rows, initial=0))) + ROWS_BELOW - FIRST_ROW + 1
     n_lines = n_groups * GROUP_LINES
-    range_bin = surface_row[:n_lines, None] + np.arange(n_rows) + FIRST_ROW
-    inside = (range_bin >= 0) & (range_bin < power.shape[1])
-    lines = np.take_along_axis(power[:n_lines], np.where(inside, range_bin, 0), axis=1)
-    lines = np.where(inside, lines, np.nan).reshape(n_groups, GROUP_LINES, n_rows)
+    lines = rows_from(power[:n_lines], surface_row[:n_lines] + FIRST_ROW, n_rows)
+    lines = lines.reshape(n_groups, GROUP_LINES, n_rows)
     # A row that only some lines of a group reach would mix depths of different noise and fading.
     often = 2 * np.isfinite(lines).sum(axis=1) >= GROUP_LINES
     averaged = np.where(often, known_mean(lines.astype(float), axis=1), np.nan)
@@ -128,6 +128,13 @@ def _averaged(power, rows, surface_row, n_groups):
     }
 
 
+def rows_from(power, first, n_rows):
+    """Rows of power (line, row) from `first` (line,) down, (line, n_rows), NaN outside it."""
+    row = first[:, None] + np.arange(n_rows)
+    inside = (row >= 0) & (row < power.shape[1])
+    return np.where(inside, np.take_along_axis(power, np.where(inside, row, 0), axis=1), np.nan)
+
+
 def _air(power, air_end, n_groups):
     """Variables of the air, down to the bin `air_end (range_line,)`, of whole groups.
 
@@ -140,45 +147,40 @@ def _air(power, air_end, n_groups):
     n_bins = air_end.max(initial=0)
     air = power[: air_end.size, :n_bins].astype(float)
     held = (air > 0) & (np.arange(n_bins) < air_end[:, None])
-    air = np.where(held, air, 0)
-    total, count = air.sum(axis=1), held.sum(axis=1)
-    relative = air * (count / np.maximum(total, np.finfo(float).tiny))[:, None]
-    relative -= relative.sum(axis=0) / np.maximum(held.sum(axis=0), 1)
-    products = _products(np.where(held, relative, 0))
-    pairs = _products(held.astype(float)).astype(np.int64)
-    by_group = (n_groups, GROUP_LINES)
-    gains = map(_gain_variance, air.reshape(*by_group, n_bins), air_end.reshape(by_group))
+    air = np.where(held, air, np.nan)
+    relative = air / known_mean(air, axis=1)[:, None]
+    relative = np.nan_to_num(relative - known_mean(relative, axis=0))
+    air = air.reshape(n_groups, GROUP_LINES, n_bins)
+    gains = map(_gain_variance, air, air_end.reshape(n_groups, GROUP_LINES).min(axis=1))
     return {
-        "air_sum": ("group", total.reshape(by_group).sum(axis=1)),
-        "air_count": ("group", count.reshape(by_group).sum(axis=1)),
-        "air_products": (("group", "air_lag"), products.reshape(*by_group, AIR_LAGS).sum(axis=1)),
-        "air_pairs": (("group", "air_lag"), pairs.reshape(*by_group, AIR_LAGS).sum(axis=1)),
+        "air_sum": ("group", np.nansum(air, axis=(1, 2))),
+        "air_count": ("group", np.isfinite(air).sum(axis=(1, 2))),
+        "air_products": (("frame", "air_lag"), [_products(relative)]),
+        "air_pairs": (("frame", "air_lag"), [_products(held.astype(np.int64))]),
         "gain_variance": ("group", np.array(list(gains), dtype=float)),
     }
 
 
-def _gain_variance(air, air_end):
+def _gain_variance(air, n_bins):
     """Variance of the gain from line to line of a group [nepers^2], from its air (line, bin).
 
     It is the covariance of the logarithms of mean power in the upper and the lower half, without
     lines far from their median; NaN where few lines are left, or one is missing or padding.
     """
-    n_air = air_end.min()
-    halves = air[:, : n_air // 2], air[:, n_air // 2 : n_air]
-    logarithm = np.log([known_mean(np.where(half > 0, half, np.nan), axis=1) for half in halves])
+    halves = air[:, : n_bins // 2], air[:, n_bins // 2 : n_bins]
+    logarithm = np.log([known_mean(half, axis=1) for half in halves])
     both = logarithm.mean(axis=0) - np.median(logarithm)
     near = np.abs(both) <= OVERLOADED * NORMAL_MAD * np.median(np.abs(both))
     return np.cov(logarithm[:, near])[0, 1] if 2 * near.sum() > near.size else np.nan
 
 
 def _products(values):
-    """Sums of products of values (range_line, range_bin) so many bins apart, (line, air_lag)."""
-    n_bins = values.shape[1]
+    """Sums of products of values (range_line, range_bin) so many bins apart, (air_lag,)."""
     by_lag = []
     for lag in range(AIR_LAGS):
-        upper = values[:, : max(n_bins - lag, 0)]
-        by_lag.append(np.einsum("ij,ij->i", upper, values[:, lag:]))
-    return np.stack(by_lag, axis=1)
+        lower = values[:, lag:]
+        by_lag.append(np.einsum("ij,ij->", values[:, : lower.shape[1]], lower))
+    return by_lag
 
 
 def merge(summaries):
@@ -220,7 +222,7 @@ def merge(summaries):
 
 def numbered(of_frame):
     """Numbers from 0 of so many things in each frame, of all frames."""
-    return np.arange(of_frame.sum()) - np.repeat(of_frame.cumsum() - of_frame, of_frame)
+    return np.concatenate(list(map(np.arange, of_frame)))
 
 
 def in_stretches(summary, name, n_lines, n_whole):

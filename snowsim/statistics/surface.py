@@ -3,14 +3,13 @@
 import numpy as np
 
 from snowsim.statistics.moments import known_mean
+from snowsim.statistics.relief import LAGS, TINY
 from snowsim.statistics.summaries import in_blocks
 
 # Of the steps that whole-bin levelling makes, above which a product is taken to do so.
 LEVELLED_SHARE = 0.5
 LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
-LAGS = 2 ** np.arange(8)  # [range lines]
 LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)  # [range lines] of the slow error
-TINY = 1e-100
 
 
 def surface_statistics(summary):

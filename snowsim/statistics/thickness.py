@@ -6,6 +6,7 @@ Blocks are 256 range lines of a frame. A zone holds blocks of like mean thicknes
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import zone_of
@@ -75,9 +76,8 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     edges = np.asarray(zone_edge_bins, dtype=float)
     zone = zone_of(level, edges)
     # The middle of a zone without blocks.
-    typical = (edges[:-1] + edges[1:]) / 2
-    for z in np.unique(zone):
-        typical[z] = level[zone == z].mean()
+    middle = pd.Series((edges[:-1] + edges[1:]) / 2)
+    typical = pd.Series(level).groupby(zone).mean().combine_first(middle).to_numpy()
     blocks = Blocks(mean, level, zone, typical)
     by_layers = np.zeros((typical.size, n_layers), dtype=int)
     np.add.at(by_layers, (zone, n_below[placed]), 1)
@@ -85,7 +85,7 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     variables = moments_by_zone(blocks)
     variables |= {
         "zone_edge_bins": ("edge", edges),
-        "relative_thickness_correlation": ("separation", mean_correlation(blocks, variables)),
+        "relative_thickness_correlation": ("separation", mean_correlation(blocks)),
         "first_thickness_quantile_bins": ("quantile", quantiles),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
     }
@@ -130,49 +130,43 @@ def block_levels(mean):
 
 def moments_by_zone(blocks):
     """Moments of block-mean thickness, absolute and relative, as variables (zone, slab)."""
-    known = np.isfinite(blocks.mean)
-    shape = (blocks.typical.size, known.shape[1])
-    n = np.zeros(shape, dtype=int)
-    np.add.at(n, blocks.zone, known)
-    share = blocks.mean / blocks.level[:, None]
-    moments = np.zeros((4, *shape))
-    for zone, slab in np.ndindex(shape):
-        held = known[:, slab]
-        if n[zone, slab] >= MINIMUM_BLOCKS:
-            held = held & (blocks.zone == zone)
-            thickness = blocks.mean[held, slab]
-        elif slab == 0:
-            # It defines a zone: the placed blocks give it even where its own picks are few.
-            thickness = blocks.typical[zone] + (blocks.level - blocks.typical[blocks.zone])
-        elif held.sum() >= MINIMUM_BLOCKS:
-            thickness = share[held, slab] * blocks.typical[zone]
-        else:
-            moments[:, zone, slab] = moments[:, zone, slab - 1]
-            continue
-        cell = []
-        for values in (thickness, share[held, slab]):
-            # A single value has no variance.
-            cell += [values.mean(), values.var(ddof=min(values.size - 1, 1))]
-        moments[:, zone, slab] = cell
-    names = ("thickness_mean_bins", "thickness_variance_bins2")
-    names += ("relative_thickness_mean", "relative_thickness_variance", "n_samples")
-    on = ("zone", "slab")
-    return {name: (on, values) for name, values in zip(names, [*moments, n], strict=True)}
+    thickness = pd.DataFrame(blocks.mean)
+    share = thickness.div(blocks.level, axis=0)
+    zones = range(blocks.typical.size)
+    n = thickness.groupby(blocks.zone).count().reindex(zones, fill_value=0)
+    own = n >= MINIMUM_BLOCKS
+    known = own | (n.sum() >= MINIMUM_BLOCKS)
+    # It defines a zone: the placed blocks give it even where its own picks are few.
+    known[0] = True
+    mean, variance = share.mean(), share.var().fillna(0)
+    absolute = np.outer(blocks.typical**2, variance)
+    absolute[:, 0] = np.var(blocks.level - blocks.typical[blocks.zone], ddof=min(len(share) - 1, 1))
+    moments = {
+        "thickness_mean_bins": (thickness, "mean", np.outer(blocks.typical, mean)),
+        "thickness_variance_bins2": (thickness, "var", absolute),
+        "relative_thickness_mean": (share, "mean", mean),
+        "relative_thickness_variance": (share, "var", variance),
+    }
+    variables = {"n_samples": (("zone", "slab"), n.to_numpy())}
+    for name, (table, moment, of_all) in moments.items():
+        of_zone = table.groupby(blocks.zone).agg(moment).reindex(zones)
+        values = of_zone.where(own, of_all, axis=1).where(known).ffill(axis=1)
+        variables[name] = ("zone", "slab"), values.to_numpy()
+    return variables
 
 
-def mean_correlation(blocks, moments):
+def mean_correlation(blocks):
     """Correlation between slabs of relative block means about those of their zone, (separation,).
 
     A zone needs `MINIMUM_BLOCKS` of a slab for a mean; a separation with fewer than `MINIMUM_PAIRS`
     (block, slab) pairs takes the value of the one before, the first 0. Slab 0 is 1 by definition
     and is left out.
     """
-    names = ("relative_thickness_mean", "relative_thickness_variance", "n_samples")
-    mean, variance, n = (moments[name][1][blocks.zone] for name in names)
-    counts = (n >= MINIMUM_BLOCKS) & (variance > 0)
-    scale = np.sqrt(np.where(counts, variance * (n - 1) / np.maximum(n, 1), np.nan))
-    anomaly = ((blocks.mean / blocks.level[:, None] - mean) / scale)[:, 1:]
-    correlation = np.zeros(mean.shape[1])
+    share = pd.DataFrame(blocks.mean[:, 1:] / blocks.level[:, None])
+    of_zone = share.groupby(blocks.zone)
+    spread = of_zone.transform("std", ddof=0).where(of_zone.transform("count") >= MINIMUM_BLOCKS)
+    anomaly = ((share - of_zone.transform("mean")) / spread).to_numpy()
+    correlation = np.zeros(blocks.mean.shape[1])
     for apart in range(1, correlation.size):
         above, below = anomaly[:, :-apart], anomaly[:, apart:]
         both = np.isfinite(above * below)

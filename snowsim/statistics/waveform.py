@@ -1,10 +1,11 @@
 """Values by layer of the joint solution: peak powers, shapes, and waveforms about the layers."""
 
 import numpy as np
+import pandas as pd
 
 from snowsim.statistics.deblend import deblend
 from snowsim.statistics.moments import known_mean
-from snowsim.statistics.summaries import FIRST_ROW
+from snowsim.statistics.summaries import FIRST_ROW, rows_from
 
 LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
 LEAST_ERRORS = 2.0  # standard errors that a mean power must reach
@@ -19,12 +20,10 @@ def deblended_waveform(groups, tracked_power, decay):
     layers: always positive, as only that can be rendered; such a layer is `substituted`.
     """
     variables, powers = deblend(groups, decay)
-    n = np.isfinite(powers).sum(axis=0)
-    solved = known_mean(powers, axis=0)
-    scatter = known_mean((powers - solved) ** 2, axis=0)
-    # A single value is taken as its own scatter.
-    variance_of_mean = np.where(n > 1, scatter / np.maximum(n - 1, 1), solved**2)
-    reliable = solved > LEAST_ERRORS * np.sqrt(variance_of_mean)
+    by_layer = pd.DataFrame(powers)
+    solved = by_layer.mean().to_numpy()
+    # A single value has no error, and is not reliable.
+    reliable = solved > LEAST_ERRORS * by_layer.sem().to_numpy()
     above_noise = np.maximum(tracked_power - groups.noise_power, 0)
     seen = above_noise > 0
     both = reliable & seen
@@ -41,21 +40,15 @@ def deblended_waveform(groups, tracked_power, decay):
 
 def bridged(values, known):
     """Values by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
-    held = np.flatnonzero(known)
-    logarithm = np.log(np.maximum(values[held], 1e-300))
-    between = np.interp(np.arange(known.size), held, logarithm)
-    return np.where(known, values, np.exp(between))
+    logarithm = pd.Series(np.log(np.where(known, values, np.nan)))
+    return np.exp(logarithm.interpolate(limit_direction="both").to_numpy())
 
 
 def _mean_waveforms(groups):
     """Mean of averaged lines about each layer's row, (layer, lag), 0 where there is none."""
-    n_rows = groups.power.shape[1]
-    means = np.zeros((groups.present.shape[1], LAGS.size))
-    for layer, present in enumerate(groups.present.T):
-        held = np.flatnonzero(present)
-        pick = np.rint(groups.row[held, layer]).astype(int)
-        rows = pick[:, None] - FIRST_ROW + LAGS
-        inside = (rows >= 0) & (rows < n_rows)
-        lines = groups.power[held[:, None], np.where(inside, rows, 0)].astype(float)
-        means[layer] = np.nan_to_num(known_mean(np.where(inside, lines, np.nan), axis=0))
-    return means
+    means = []
+    for row, present in zip(groups.row.T, groups.present.T, strict=True):
+        first = np.rint(row[present]).astype(int) - FIRST_ROW + LAGS[0]
+        lines = rows_from(groups.power[present], first, LAGS.size)
+        means.append(known_mean(lines.astype(float), axis=0))
+    return np.nan_to_num(means)

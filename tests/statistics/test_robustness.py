@@ -52,7 +52,7 @@ def test_a_summary_survives_the_disk(flight, tmp_path):
     for name, values in summary.variables.items():
         assert_array_equal(back[name], values, err_msg=name)
         assert back[name].dtype == values.dtype
-    with pytest.raises(ValueError, match="content must be .* 5', got 'none': summarise its frames"):
+    with pytest.raises(ValueError, match="content must be .* 6', got 'none': summarise its frames"):
         statistics.merge([back.assign_attrs(content="none")])
 
 
