@@ -120,8 +120,8 @@ def accumulation(
 
     The errors of both picks, each half of ``twtt_high - twtt_low``, of density, and of a year about
     the mean of m years, ``s (1 - 1 / m)^(1/2)``, add in squares; a relative error e of density
-    counts as ``e / n`` with the refractive index n. Picks lie 1.2 to
-    1.6 range bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
+    counts as ``e / n`` with the refractive index n. Picks lie 1.2 to 1.6 range bins below their
+    interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)
     check_values("density_error", density_error, 0, 1)

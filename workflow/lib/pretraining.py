@@ -17,8 +17,7 @@ from snowsim.statistics import Variation, changed, varied
 # One in so many variants is the flight itself.
 EVERY = 5
 # Mean power of a layer, over all other power at its place, from which it is labelled [dB]: the
-# layer then raises it by .5 dB. On tuning flights better than -6 dB, and than noise and background
-# for other power.
+# layer then raises it by .5 dB. On tuning flights this is better than -6 dB.
 SEEN_DB = -9.0
 
 

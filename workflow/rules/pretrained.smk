@@ -152,7 +152,7 @@ rule pretrained:
         rules.ship_tracker.output,
         rules.calibrate_pretrained.output,
     message:
-        "the tracker that comes with the package, with its card: about 20 min of one core"
+        "the tracker that comes with the package, with its card: about 30 min of one core"
 
 
 rule score_transfer:
