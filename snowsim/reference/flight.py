@@ -7,13 +7,12 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.limits import check_count, check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
-from snowsim.reference.picks import pick_peaks, pick_visible, rise_db, visible_layers
+from snowsim.reference.picks import pick_peaks, visible_layers
 from snowsim.reference.radar import draw_look
 
 SYNTHETIC = "synthetic reference flight, not observed data"
 TAKE_OFF = np.datetime64("2012-04-29T12:00:00", "ns")
 FLIGHT_TRACK = "flight"
-WINDOW_LINES = 64  # range lines over which the rise of a layer is averaged
 SEGMENT_M = 5000.0  # as in Fig. 8 of the paper
 SEGMENT_ROWS = 600
 SEGMENT_CANDIDATES = np.linspace(0.1, 0.9, 161)  # positions, as shares of the line
@@ -26,10 +25,9 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
 
     Frame `frame` lies in the middle of its part of the line, which is divided into `n_frames` equal
     parts; `rng` is for this frame alone. Layers are picked by the semi-automatic picker that also
-    picks train scenes. With `picks.of_flight: oracle` they instead lie where the mean echo of their
-    horizon peaks, NaN where it hardly rises over the snow above. Missing range lines have no picks;
-    layers too deep to be seen are left out. Attributes say that the data are synthetic, their looks
-    and their position. ValueError if there is no such frame, or the frames do not fit on the line.
+    picks train scenes. Missing range lines have no picks; layers too deep to be seen are left out.
+    Attributes say that the data are synthetic, their looks and their position. ValueError if there
+    is no such frame, or the frames do not fit on the line.
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
@@ -57,16 +55,10 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
 
 def _picked(stretch, power, settings, *, rng):
     """Picks of the layers that can be seen, (layer, range_line) [range bins], NaN in gaps."""
-    mean_power = stretch.echo.mean()
-    layer_bins = visible_layers(mean_power, stretch.layer_bins(), settings.visible_db)
-    if settings.of_flight == "oracle":
-        n_windows = max(1, stretch.surface_row.size // WINDOW_LINES)
-        rise = rise_db(mean_power, layer_bins, n_windows)
-        picked = pick_visible(rise, layer_bins, settings.gap_db)
-    else:
-        picked = pick_peaks(power, layer_bins, settings, rng=rng)
-        # The surface is the product's own; people pick the layers below it.
-        picked[0] = stretch.surface_row
+    layer_bins = visible_layers(stretch.echo.mean(), stretch.layer_bins(), settings.visible_db)
+    picked = pick_peaks(power, layer_bins, settings, rng=rng)
+    # The surface is the product's own; people pick the layers below it.
+    picked[0] = stretch.surface_row
     picked[:, stretch.echo.without_echo] = np.nan
     return picked
 

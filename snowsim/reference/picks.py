@@ -14,16 +14,15 @@ AGAIN_DB = 0.5  # additional rise from which on a lost layer is picked again
 N_BITS = 16  # binary places of a power in dB, 1.5e-5: all processors agree on them
 
 
-def rise_db(mean_power, layer_bins, n_windows):
-    """Rise of each layer over the snow above it in mean power, (layer, window) [dB].
+def rise_db(mean_power, layer_bins):
+    """Rise of each layer over the snow above it in mean power, (layer,) [dB].
 
     It is the power on the layer over the least power between it and the layer above. Both are
-    averaged along the layers in `n_windows` pieces, so that no single minimum decides. The surface
-    has an infinite rise; a layer that leaves the record has NaN. `mean_power` (range_bin,
-    range_line) holds noise but no speckle; `layer_bins` (layer, range_line) are complete.
+    averaged along the layers, so that no single minimum decides. The surface has an infinite rise;
+    a layer that leaves the record has NaN. `mean_power` (range_bin, range_line) holds noise but no
+    speckle; `layer_bins` (layer, range_line) are complete.
     """
     n_bins, n_lines = mean_power.shape
-    edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
     step = np.arange(1, STEPS_BETWEEN + 1)[:, None] / STEPS_BETWEEN
     slab_bins = np.diff(layer_bins, axis=0)[:, None]
     between = layer_bins[:-1, None] + step * slab_bins  # (slab, step, range_line)
@@ -36,8 +35,8 @@ def rise_db(mean_power, layer_bins, n_windows):
     below = mean_power[whole + 1, lines]
     sampled = (1 - share) * above + share * below
     sampled[~inside] = np.nan
-    profile = np.add.reduceat(sampled, edges[:-1], axis=2) / np.diff(edges)
-    rise = np.full((len(layer_bins), n_windows), np.inf)
+    profile = np.add.reduceat(sampled, [0], axis=2)[..., 0] / n_lines
+    rise = np.full(len(layer_bins), np.inf)
     rise[1:] = 10 * np.log10(profile[:, -1] / profile.min(axis=1))
     return rise
 
@@ -55,20 +54,8 @@ def n_visible_layers(rise, visible_db):
 
 def visible_layers(mean_power, layer_bins, visible_db):
     """Layers (layer, range_line), without gaps, down to where they fade; see `n_visible_layers`."""
-    rise = rise_db(mean_power, layer_bins, 1)[:, 0]
+    rise = rise_db(mean_power, layer_bins)
     return layer_bins[: n_visible_layers(rise, visible_db)]
-
-
-def pick_visible(rise, layer_bins, gap_db):
-    """Layers, NaN where their rise is below `gap_db`; it is linear between centres of windows."""
-    n_windows = rise.shape[1]
-    n_lines = layer_bins.shape[1]
-    centres = (np.arange(n_windows) + 0.5) * n_lines / n_windows - 0.5
-    picked = layer_bins.copy()
-    for layer in range(1, len(layer_bins)):
-        here = np.interp(np.arange(n_lines), centres, rise[layer])
-        picked[layer, ~(here >= gap_db)] = np.nan
-    return picked
 
 
 def pick_peaks(power, layer_bins, settings, *, rng):

@@ -220,14 +220,6 @@ class PickSettings(Checked):
     visible_db: float = limited(
         1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
     )
-    of_flight: str = setting(
-        "picker",
-        "picks of the sample flight: exact positions, or those of the picker of train scenes",
-        enum=("picker", "oracle"),
-    )
-    gap_db: float = limited(
-        0.2, 0, 30, "[dB] a pick of the oracle is missing where its horizon rises less than this"
-    )
     picker_db: float = limited(
         1.3, 0, 30, "[dB] the semi-automatic picker loses a layer that rises less than this"
     )

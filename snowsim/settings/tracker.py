@@ -49,11 +49,6 @@ class Settings(Checked):
         "bfloat16 in float32, which is ten times faster there",
         enum=("float32", "bfloat16"),
     )
-    mask_unannotated: bool = setting(
-        False,
-        "true: the loss leaves out pixels that may hold an unpicked layer; paper: background",
-    )
-
     scales: tuple = setting(
         (1.0, 0.75, 0.5, 0.25),
         "published: relative sizes in which an epoch shows every image",

@@ -2,7 +2,6 @@
 
 from snowsim.constants import OUTPUTS
 from snowsim.settings.tracker import Settings, published_settings
-from snowsim.tracker.loss import annotated_pixels
 from snowsim.tracker.network import MultiScaleNetwork, track
 from snowsim.tracker.published import PublishedNetwork
 from snowsim.tracker.sampling import Completed, TrainingSet
@@ -16,7 +15,6 @@ __all__ = [
     "Settings",
     "Training",
     "TrainingSet",
-    "annotated_pixels",
     "published_settings",
     "track",
     "train_steps",

@@ -70,8 +70,8 @@ def published_optimiser(network, settings):
     ValueError for settings that do not apply to copies of whole scenes.
     """
     cut = settings.n_range_bins or settings.n_range_lines
-    if settings.batch_size > 1 or cut or settings.mask_unannotated:
-        msg = "network published: expected batch_size 1, no crop and mask_unannotated false"
+    if settings.batch_size > 1 or cut:
+        msg = "network published: expected batch_size 1 and no crop"
         raise ValueError(msg)
     groups = {}
     for name, parameter in network.named_parameters():

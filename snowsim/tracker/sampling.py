@@ -45,9 +45,6 @@ class TrainingSet:
     added_per_real : float
         Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is
         empty.
-    n_draws_synthetic_first : int, optional
-        Number of draws of the whole training. If given, it shows as many synthetic scenes as
-        otherwise, but all of them before the real ones; by default every epoch mixes both.
     seed : int
     """
 
@@ -57,7 +54,6 @@ class TrainingSet:
         added=(),
         *,
         added_per_real=PAPER_SCENES_PER_REAL,
-        n_draws_synthetic_first=None,
         seed,
     ):
         self._sets = (real, *added)
@@ -69,15 +65,9 @@ class TrainingSet:
             check_count("added scenes an epoch", self._n_added)
         self._seed = seed
         self.n_per_epoch = len(real) + len(added) * self._n_added
-        self._n_first = None
-        if n_draws_synthetic_first is not None:
-            n_synthetic = n_draws_synthetic_first * len(added) * self._n_added
-            self._n_first = round(n_synthetic / self.n_per_epoch)
 
     def source(self, position):
         """Numbers (set, scene) of the scene at `position`; set 0 is the real one."""
-        if self._n_first is not None:
-            return self._source_in_turn(position)
         epoch = position // self.n_per_epoch
         slot = self._drawn(self.n_per_epoch, position, "order")
         n_real = len(self._sets[0])
@@ -86,14 +76,6 @@ class TrainingSet:
         before, within = divmod(slot - n_real, self._n_added)
         number = before + 1
         draw = epoch * self._n_added + within
-        return number, self._drawn(len(self._sets[number]), draw, number)
-
-    def _source_in_turn(self, position):
-        """The same where synthetic scenes come first, from each set in turn, then real ones."""
-        if position >= self._n_first:
-            return 0, self._drawn(len(self._sets[0]), position - self._n_first, "real")
-        draw, before = divmod(position, len(self._sets) - 1)
-        number = before + 1
         return number, self._drawn(len(self._sets[number]), draw, number)
 
     def _drawn(self, n, position, key):

@@ -7,7 +7,7 @@ import torch
 from snowsim.constants import OUTPUTS
 from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream
-from snowsim.tracker.loss import annotated_pixels, balanced_cross_entropy
+from snowsim.tracker.loss import balanced_cross_entropy
 from snowsim.tracker.network import MultiScaleNetwork
 from snowsim.tracker.published import PublishedNetwork, published_gradient, published_optimiser
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
@@ -127,19 +127,18 @@ def gradient(training, scenes):
     """Update by the gradient of crops of the next scenes; the losses per pixel before (output,)."""
     settings = training.settings
     first = training.step * settings.batch_size
-    images, *maps = draw_patches(
+    images, masks = draw_patches(
         [scenes[first + place] for place in range(settings.batch_size)],
         settings.n_range_bins,
         settings.n_range_lines,
         flip=settings.flip,
-        known=annotated_pixels if settings.mask_unannotated else None,
         rng=random_stream(training.seed, "tracker", "step", training.step),
     )
-    maps = [torch.from_numpy(array).to(training.device) for array in maps]
+    masks = torch.from_numpy(masks).to(training.device)
     with arithmetic(training.device, settings.precision):
         logits = training.network(training.network.to_input(images).to(training.device))
-    per_output = balanced_cross_entropy(logits, *maps, layer_share=settings.layer_share)
-    per_pixel = per_output / maps[0][0].numel()
+    per_output = balanced_cross_entropy(logits, masks, layer_share=settings.layer_share)
+    per_pixel = per_output / masks[0].numel()
     per_pixel.sum().backward()
     training.update(rate_factor(settings, training.step))
     return per_pixel.detach()

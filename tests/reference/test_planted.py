@@ -16,9 +16,7 @@ N_LAYERS = 6  # surface and the youngest
 
 @pytest.fixture(scope="module")
 def climate():
-    oracle = {"of_flight": "oracle"}
-    radar = BARE_RADAR | SHORT_TAILS
-    return climate_of({"firn": BARE_FIRN, "radar": radar, "picks": oracle})
+    return climate_of({"firn": BARE_FIRN, "radar": BARE_RADAR | SHORT_TAILS})
 
 
 @pytest.fixture
@@ -54,7 +52,7 @@ def echoes(monkeypatch):
     return kept
 
 
-def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(frame, echoes, tmp_path):
+def test_picks_in_a_frame_s_file_lie_about_the_peaks_of_its_mean_echo(frame, echoes, tmp_path):
     echogram, layers = frame(64)
     write_dataset(tmp_path / "frame.nc", echogram)
     write_dataset(tmp_path / "layers.nc", layers)
@@ -63,10 +61,14 @@ def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(frame, echoes, t
     ]
     assert len(bins) == N_LAYERS
     [echo] = echoes
-    for line in range(0, 64, 3):
-        error = peak_rows(echo, line, bins[:, line]) - bins[:, line]
-        assert np.abs(error[np.isfinite(error)]).max() < 0.1
-        assert np.isfinite(error).sum() == N_LAYERS
+    lines = range(0, 64, 3)
+    error = np.array([peak_rows(echo, line, bins[:, line]) - bins[:, line] for line in lines])
+    assert np.abs(error[:, 0]).max() < 0.01  # the surface is the product's own
+    # Whole bins that speckle moves: half a bin each in the rms, 110 picks in some 30 runs of nine
+    # averaged lines; a shift of half a bin would be seen.
+    assert abs(np.nanmean(error[:, 1:])) < 0.3
+    assert np.nanmax(np.abs(error)) < 3
+    assert np.isfinite(error).mean() > 0.9
 
 
 def test_layers_in_a_scene_s_file_lie_where_its_mean_echo_peaks(scene, echoes, tmp_path):

@@ -158,7 +158,6 @@ def test_the_paper_s_configuration_is_the_published_recipe():
             tracker["n_epochs"],
             1,
             1500 / 2360,
-            tracker["order"],
         )
         n_gradients[n_sets] = chosen.n_steps
     # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.
@@ -166,7 +165,7 @@ def test_the_paper_s_configuration_is_the_published_recipe():
 
 
 def test_the_published_recipe_refuses_crops():
-    with pytest.raises(ValueError, match="published: expected batch_size 1, no crop"):
+    with pytest.raises(ValueError, match="published: expected batch_size 1 and no crop"):
         Training(published_settings(10, width=2, n_range_bins=64), seed=1)
 
 

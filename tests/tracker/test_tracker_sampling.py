@@ -65,21 +65,6 @@ def test_sets_without_scenes_are_refused(real, added, words):
         )
 
 
-@pytest.mark.parametrize("n_added", [0, 1, 2])
-def test_synthetic_scenes_first_are_as_many_as_when_mixed_and_real_ones_come_last(n_added):
-    sets = Numbered("real", 118), [Numbered("added", 1500)] * n_added
-    n_draws = 10 * (118 + 75 * n_added)
-    drawn = first(TrainingSet(*sets, seed=1, n_draws_synthetic_first=n_draws), n_draws)
-    mixed = first(TrainingSet(*sets, seed=1), n_draws)
-    sets_shown = [number for number, _ in drawn]
-    assert Counter(sets_shown) == Counter(number for number, _ in mixed)
-    n_synthetic = n_draws - sets_shown.count(0)
-    assert 0 not in sets_shown[:n_synthetic]
-    # Real scenes in whole rounds; of 750 draws from 1500 none comes twice.
-    assert set(Counter(drawn[n_synthetic:]).values()) == {10}
-    assert len(set(drawn[:n_synthetic])) == n_synthetic
-
-
 def test_completed_scenes_show_every_layer():
     picked = toy_scenes(2)
     part = picked[0].layer_bins.copy()

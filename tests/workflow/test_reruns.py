@@ -83,7 +83,7 @@ def test_touching_unchanged_inputs_reruns_nothing(plan, tiny_run, tiny_source):
         ("phy: {n_looks: 20}", {"render_phy"}),
         ("tracker: {training: {learning_rate: 5.0e-4}}", {"train_tracker"}),
         (
-            "reference: {picks: {gap_db: 0.3}}",
+            "reference: {picks: {picker_db: 1.4}}",
             {"reference_frames_0000", "reference_frames_0001", "reference_scenes"},
         ),
     ],

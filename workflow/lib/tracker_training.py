@@ -18,13 +18,12 @@ def compose(
     n_epochs,
     seed,
     added_per_real,
-    order="mixed",
     labels="picked",
 ):
     """The `TrainingSet` of opened scene sets, and settings with the number of steps of `n_epochs`.
 
-    Without `n_epochs` the number of steps stays that of the settings. `order` and `labels` other
-    than the defaults serve ablations.
+    Without `n_epochs` the number of steps stays that of the settings. `labels` other than the
+    default serve an ablation.
     """
     if labels == "complete":
         real = Completed(real)
@@ -32,11 +31,6 @@ def compose(
     if n_epochs is not None:
         n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies
         settings = dataclasses.replace(settings, n_steps=n_shown // settings.batch_size)
-    if order == "synthetic_first":
-        n_draws = settings.n_steps * settings.batch_size // settings.n_copies
-        scenes = TrainingSet(
-            real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
-        )
     return scenes, settings
 
 

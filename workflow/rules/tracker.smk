@@ -22,7 +22,7 @@ rule train_tracker:
         replica="{replica}",
         device=TRACKER["device"],
         n_epochs=TRACKER["n_epochs"],
-        data={"added_per_real": TRACKER["added_per_real"], "order": TRACKER["order"]},
+        data={"added_per_real": TRACKER["added_per_real"]},
         settings=TRACKER["training"],
         checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
