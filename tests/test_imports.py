@@ -47,6 +47,7 @@ ONLY = {
     "matplotlib": {"io"},
     "snakemake": set(),
     "lib": set(),
+    "pretrained": set(),
 }
 MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
 
@@ -113,7 +114,7 @@ def test_the_configuration_is_checked_without_what_draws_and_trains():
 
 
 def test_the_main_path_imports_nothing_that_judges_it():
-    for folder in ("scripts", "lib"):
+    for folder in ("scripts", "lib", "pretrained"):
         for path in (PACKAGE.parent / "workflow" / folder).glob("*.py"):
             names = imported_names(path)
             assert not [name for name in names if name.startswith(("evaluation", "main_path"))]

@@ -6,10 +6,7 @@ score is reported of, and a card may bring its own.
 """
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.special import expit
-
-from snowsim.limits import check_count
 
 NEAR_LINES = 8
 FAR_LINES = 48
@@ -44,24 +41,6 @@ def confidence(piece, n_lines, coefficients):
     offset, near, far = coefficients
     of_near, of_far = features(piece, n_lines)
     return expit(offset + near * of_near + far * of_far)
-
-
-def fit_coefficients(seen, hits):
-    """Coefficients of `confidence` by which hits are most likely, (offset, near, far).
-
-    `seen` are the `features` (2, pick) of picks on annotated scenes, `hits` (pick,) whether a layer
-    lies within 2 rows of each; ValueError without a pick.
-    """
-    check_count("picks to fit their confidence to", hits.size)
-    terms = np.vstack([np.ones(hits.size), seen])
-    sign = np.where(hits, -1.0, 1.0)
-
-    def surprise(coefficients):
-        return np.logaddexp(0, sign * (coefficients @ terms)).mean()
-
-    # Where all are hits, or none, the best offset lies at infinity: limits keep it finite.
-    found = minimize(surprise, np.zeros(3), method="L-BFGS-B", bounds=[(-10.0, 10.0)] * 3)
-    return tuple(float(value) for value in found.x)
 
 
 def half_width_rows(sure):

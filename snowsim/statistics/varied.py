@@ -53,7 +53,8 @@ class Ranges:
         Probability that speckle is correlated down range as in the flight; else bins are
         independent.
     crusts_per_slab, crust_db, bands_per_100_bins, band_db : (float, float)
-        Of `snowsim.labels.clutter.Clutter`.
+        Crusts between two layers, their mean number and median power over that of the layer below
+        [dB]; bands of coherent noise, the same of their mean power over the noise [dB].
     tail_length : (float, float)
         Factor of the length of the tail alone, log-uniform: it grows with height over the snow.
     line_spacing : (float, float)
@@ -82,8 +83,8 @@ class Ranges:
 class Variation:
     """One draw of `Ranges`: how a climate and radar differ from the flight's.
 
-    What no statistic holds is for those who draw scenes: crusts and bands, see `Clutter`, and
-    distances of range lines and bins.
+    What no statistic holds is for those who draw scenes: crusts, bands, and distances of range
+    lines and bins.
     """
 
     thickness: float = 1.0

@@ -7,6 +7,8 @@ from pathlib import Path
 
 # Nearly all of a run's disk holds frames and scenes, whose rules state it; this is for the rest.
 SMALL_FILES_MB = 20
+# Code that scripts import.
+IMPORTED = ("snowsim/**/*.py", "workflow/**/lib/**/*.py", "workflow/pretrained/*.py")
 # First and last results on the way from the flight to both tables.
 LANDMARKS = ("statistics.nc", "tables/table2.csv", "tables/table3.csv")
 
@@ -18,7 +20,7 @@ def warn_of_edits(root, results):
     """
     made = [Path(results, name) for name in LANDMARKS]
     made = [path for path in made if path.exists()]
-    code = [*root.glob("snowsim/**/*.py"), *root.glob("workflow/**/lib/**/*.py")]
+    code = [path for pattern in IMPORTED for path in root.glob(pattern)]
     if not made:
         return
     oldest = min(made, key=_time)

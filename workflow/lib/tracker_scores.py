@@ -7,13 +7,11 @@ import pandas as pd
 import torch
 
 from lib.score_tables import counts_by_image
-from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.metrics.pick_tables import layer_rows
 from snowsim.picking import pick_layers
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
-from snowsim.tracker.calibration import Calibration
 
 
 @dataclass(frozen=True)
@@ -33,17 +31,6 @@ def read_tracker(path, device="cpu"):
     weights, metadata = read_model(path, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     return Tracker(trained_network(weights, settings, device=device), settings)
-
-
-def read_calibration(path):
-    """The `Calibration` that a table of one row holds."""
-    return Calibration(**read_table(path).iloc[0].to_dict())
-
-
-def read_confidence(path):
-    """Coefficients of `snowsim.picking.confidence` in a table of one row, (offset, near, far)."""
-    row = read_table(path).iloc[0]
-    return tuple(float(row[name]) for name in ("offset", "near", "far"))
 
 
 def count_edges(tracker, scenes, outputs=OUTPUTS):

@@ -1,7 +1,7 @@
 # The tracker that comes with the package, and its scores on flights it never saw. Not part of the default run:
 # snakemake pretrained, snakemake transfer.
 
-from lib import transfer
+from pretrained import transfer
 
 PRETRAINED = config["pretrained"]
 TRANSFER = config["studies"]["transfer"]

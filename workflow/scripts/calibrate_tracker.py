@@ -5,9 +5,10 @@ import dataclasses
 import pandas as pd
 from job import job, progress
 
-from lib.resizing import scenes_in_bins
 from lib.tracker_scores import read_tracker
-from lib.transfer_scores import Calibrated, fit_confidence, followed, reliability_of
+from pretrained.confidence import fit_confidence
+from pretrained.resizing import scenes_in_bins
+from pretrained.scores import Calibrated, followed, reliability_of
 from snowsim.io.files import write_table
 from snowsim.tracker.calibration import calibrate, fused_logits, reliability, ridges_of
 

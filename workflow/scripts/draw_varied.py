@@ -2,7 +2,7 @@
 
 from job import job, progress
 
-from lib.pretraining import varied_scenes
+from pretrained.scenes import varied_scenes
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import write_scenes
 

@@ -3,10 +3,10 @@
 import pandas as pd
 from job import job, progress
 
-from lib.resizing import AS_THEY_ARE
-from lib.tracker_scores import read_calibration, read_confidence, read_tracker
-from lib.transfer_scores import Calibrated, score_tracker
-from lib.transfer_snow import CLIMATES, Snow, rows_of_flight, snow_of_climate
+from lib.tracker_scores import read_tracker
+from pretrained.resizing import AS_THEY_ARE
+from pretrained.scores import Calibrated, read_calibration, read_confidence, score_tracker
+from pretrained.snow import CLIMATES, Snow, rows_of_flight, snow_of_climate
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 

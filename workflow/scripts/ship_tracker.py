@@ -2,12 +2,14 @@
 
 from job import job
 
-from lib.pretraining import EVERY, scores_for_card
-from lib.tracker_scores import read_calibration, read_confidence, read_tracker
+from lib.tracker_scores import read_tracker
+from pretrained.card import ranges_of, scores_for_card
+from pretrained.scenes import EVERY
+from pretrained.scores import read_calibration, read_confidence
 from snowsim.io.files import read_dataset
 from snowsim.io.trackers import write_tracker
 from snowsim.statistics import Ranges
-from snowsim.tracker.card import SYNTHETIC, make_card, ranges_of
+from snowsim.tracker.card import SYNTHETIC, make_card
 from snowsim.tracker.portable import to_onnx
 
 LIMITS = (

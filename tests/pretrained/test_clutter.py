@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
+from pretrained.clutter import Clutter, bands, with_crusts
 from snowsim.echoes import Echoes, Kind
-from snowsim.labels.clutter import Clutter, bands, with_crusts
 
 N_LINES = 400
 

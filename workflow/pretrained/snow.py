@@ -7,8 +7,8 @@ import pandas as pd
 import xarray as xr
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from lib.resizing import resized
-from lib.transfer_scores import Calibrated, Picks, followed, pick_scores
+from pretrained.resizing import resized
+from pretrained.scores import Calibrated, Picks, followed, pick_scores
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.echogram import Scene, to_uint8
 from snowsim.front import Climate, Radar, simulate
@@ -56,7 +56,7 @@ def snow_of_climate(accumulation_m, seed, n_scenes):
 
 
 def baseline_logits(image):
-    """Map (range_bin, range_line) for `lib.transfer_scores.followed`, of an image alone.
+    """Map (range_bin, range_line) for `pretrained.scores.followed`, of an image alone.
 
     Smoothed grey, which is power in dB, over the local mean: positive where there is a peak.
     """
@@ -186,7 +186,7 @@ def scored_snow(name, snows, tracker, picks_of):
 def rows_of_flight(name, snows, tracker, scale):
     """Rows of a tracker, of the baseline and of true horizons on a list of `Snow`.
 
-    `tracker` is a `lib.transfer_scores.Calibrated`, `scale` brings scenes to its bins and lines.
+    `tracker` is a `pretrained.scores.Calibrated`, `scale` brings scenes to its bins and lines.
     """
 
     def tracked(scene):

@@ -3,13 +3,12 @@
 import dataclasses
 
 import numpy as np
-import pandas as pd
 
 from lib.phy_renders import render_by_phy
-from lib.resizing import in_bins
+from pretrained.clutter import Clutter, bands, with_crusts
+from pretrained.resizing import in_bins
 from snowsim.echoes import Kind
 from snowsim.labels import draw_scene, prepare
-from snowsim.labels.clutter import Clutter, bands, with_crusts
 from snowsim.phy import mean_power
 from snowsim.seeding import random_stream
 from snowsim.statistics import Variation, changed, varied
@@ -90,12 +89,3 @@ def clutter_of(statistics):
     """`Clutter` that was drawn with varied statistics."""
     names = [field.name for field in dataclasses.fields(Clutter)]
     return Clutter(**{name: float(statistics.attrs[f"varied_{name}"]) for name in names})
-
-
-def scores_for_card(paths):
-    """Scores of the shipped tracker on unseen flights, a dict each, from a table if it was made."""
-    for path in paths:
-        table = pd.read_csv(path)
-        kept = ["flight", "ods", "recall", "precision", "f", "missed_share", "false_share"]
-        return table[kept].round(3).to_dict("records")
-    return None

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 from toy_scenes import toy_scenes
 
-from lib.transfer_scores import Picks, followed, pick_scores
-from lib.transfer_snow import (
+from pretrained.scores import Picks, followed, pick_scores
+from pretrained.snow import (
     UNTRAINED,
     Snow,
     baseline_logits,

@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_array_equal
 from runs import CONFIG
 
-from lib.pretraining import labelled, on_lines, scores_for_card, varied_scenes
-from lib.resizing import in_bins
+from pretrained.card import scores_for_card
+from pretrained.resizing import in_bins
+from pretrained.scenes import labelled, on_lines, varied_scenes
 from snowsim.echoes import Kind
 from snowsim.echogram import Scene
 from snowsim.front import REFERENCE

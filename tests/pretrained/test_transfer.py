@@ -7,16 +7,16 @@ from numpy.testing import assert_allclose
 from runs import CONFIG
 from toy_scenes import logits_at, toy_scenes, with_ridges
 
-from lib.resizing import resized
-from lib.transfer import check_flights, reference_of, scale_of
-from lib.transfer_scores import (
+from pretrained.confidence import fit_confidence
+from pretrained.resizing import resized
+from pretrained.scores import (
     Calibrated,
-    fit_confidence,
     followed,
     on_pixels,
     reliability_of,
     score_tracker,
 )
+from pretrained.transfer import check_flights, reference_of, scale_of
 from snowsim.tracker.calibration import Calibration, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]

@@ -8,12 +8,13 @@ import torch
 from scipy.special import logit
 from torch.nn import functional
 
-from lib.resizing import AS_THEY_ARE, resized, resized_rows
+from pretrained.resizing import AS_THEY_ARE, resized, resized_rows
 from snowsim.echogram import crossing_layers
+from snowsim.io.files import read_table
 from snowsim.metrics.pick_tables import layer_rows
 from snowsim.picking.candidates import find_candidates
 from snowsim.picking.card import CONFIDENCE
-from snowsim.picking.confidence import confidence, features, fit_coefficients
+from snowsim.picking.confidence import confidence
 from snowsim.picking.layers import between_lines, on_lines
 from snowsim.picking.linking import Linking
 from snowsim.picking.picker import linked
@@ -36,6 +37,17 @@ class Calibrated:
     network: torch.nn.Module
     calibration: Calibration
     confidence: tuple = CONFIDENCE
+
+
+def read_calibration(path):
+    """The `Calibration` that a table of one row holds."""
+    return Calibration(**read_table(path).iloc[0].to_dict())
+
+
+def read_confidence(path):
+    """Coefficients of `snowsim.picking.confidence` in a table of one row, (offset, near, far)."""
+    row = read_table(path).iloc[0]
+    return tuple(float(row[name]) for name in ("offset", "near", "far"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,17 +98,6 @@ def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):
     distance = np.abs(scene.layer_bins[:, line] - bins)
     nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
     return nearest <= within_bins
-
-
-def fit_confidence(logits, scenes, calibration):
-    """Coefficients of the confidence of picks, by scenes with every layer annotated."""
-    seen = [np.empty((2, 0))]
-    hits = [np.empty(0, bool)]
-    for each, scene in zip(logits, scenes, strict=True):
-        for piece in pieces_of(each, calibration):
-            seen.append(features(piece, each.shape[1]))
-            hits.append(near_a_layer(piece.row, piece.line, scene))
-    return fit_coefficients(np.concatenate(seen, axis=1), np.concatenate(hits))
 
 
 def reliability_of(picks, scenes, scale=AS_THEY_ARE):

@@ -1,0 +1,1 @@
+"""What only makes, and judges, the tracker that comes with the package."""

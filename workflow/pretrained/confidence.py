@@ -1,0 +1,37 @@
+"""Confidence of picks, fitted where every layer is annotated."""
+
+import numpy as np
+from scipy.optimize import minimize
+
+from pretrained.scores import near_a_layer, pieces_of
+from snowsim.limits import check_count
+from snowsim.picking.confidence import features
+
+
+def fit_confidence(logits, scenes, calibration):
+    """Coefficients of the confidence of picks, by scenes with every layer annotated."""
+    seen = [np.empty((2, 0))]
+    hits = [np.empty(0, bool)]
+    for each, scene in zip(logits, scenes, strict=True):
+        for piece in pieces_of(each, calibration):
+            seen.append(features(piece, each.shape[1]))
+            hits.append(near_a_layer(piece.row, piece.line, scene))
+    return fit_coefficients(np.concatenate(seen, axis=1), np.concatenate(hits))
+
+
+def fit_coefficients(seen, hits):
+    """Coefficients of `confidence` by which hits are most likely, (offset, near, far).
+
+    `seen` are the `features` (2, pick) of picks on annotated scenes, `hits` (pick,) whether a layer
+    lies within 2 rows of each; ValueError without a pick.
+    """
+    check_count("picks to fit their confidence to", hits.size)
+    terms = np.vstack([np.ones(hits.size), seen])
+    sign = np.where(hits, -1.0, 1.0)
+
+    def surprise(coefficients):
+        return np.logaddexp(0, sign * (coefficients @ terms)).mean()
+
+    # Where all are hits, or none, the best offset lies at infinity: limits keep it finite.
+    found = minimize(surprise, np.zeros(3), method="L-BFGS-B", bounds=[(-10.0, 10.0)] * 3)
+    return tuple(float(value) for value in found.x)
