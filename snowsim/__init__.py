@@ -6,8 +6,10 @@ __version__ = "0.4.0"
 
 # What people script with, by the module it is in; loaded when asked for, so that importing the
 # package imports nothing.
-FRONT = {"accumulation": "snowsim.snow", "score_folders": "snowsim.scoring"}
-FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
+FRONT = {"scenes": "snowsim.front", "score_folders": "snowsim.scoring"}
+FRONT |= dict.fromkeys(
+    ("Climate", "Radar", "Snowpack", "accumulation", "simulate"), "snowsim.snowpack"
+)
 FRONT |= dict.fromkeys(("Tracker", "list_pretrained"), "snowsim.tracking")
 
 __all__ = [

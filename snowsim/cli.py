@@ -318,8 +318,8 @@ def simulate(
       snowsim simulate echogram.nc --profile pit.csv --depth-unit cm
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
     """  # noqa: D205, D301
-    from snowsim.front import Climate, Radar, simulate
     from snowsim.io.files import write_dataset
+    from snowsim.snowpack import Climate, Radar, simulate
 
     path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
     check_outputs([echogram, path_to_layers], force)
@@ -362,7 +362,7 @@ def check_snow(context, is_measured, climate, profile):
 def measured_snow(path, columns):
     """`Snowpack` of a profile's file; what was read of it is shown."""
     from snowsim.io.profiles import read_profile
-    from snowsim.physical import Snowpack
+    from snowsim.snowpack import Snowpack
 
     profile = read_profile(path, **columns)
     click.echo(profile.note)
@@ -484,7 +484,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     from snowsim.io import open_segment, read_echogram
     from snowsim.io.files import write_table
     from snowsim.io.pictures import write_picture
-    from snowsim.snow import accumulation, table
+    from snowsim.snowpack import accumulation, table
 
     picture = path.with_suffix(".png")
     check_outputs([path, picture] if png else [path], force, ".csv")

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from snowsim.reference import checked_settings, draw_climate
-from snowsim.reference.column import draw_column
-from snowsim.reference.radar import range_response
+from reference import checked_settings, draw_climate
+from reference.column import draw_column
+from reference.radar import range_response
 from snowsim.seeding import random_stream
 
 BARE_FIRN = {

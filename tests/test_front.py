@@ -17,8 +17,8 @@ from snowsim.front import REFERENCE
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
-from snowsim.physical import PRESETS
 from snowsim.seeding import random_stream
+from snowsim.snowpack import PRESETS
 
 ROOT = Path(__file__).resolve().parents[1]
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
@@ -222,7 +222,7 @@ def test_snow_does_not_change_with_the_arrays_it_was_made_of():
 
 
 def test_long_echograms_are_simulated_a_part_at_a_time(monkeypatch):
-    monkeypatch.setattr("snowsim.front.LINES_AT_ONCE", 8)
+    monkeypatch.setattr("snowsim.snowpack.simulation.LINES_AT_ONCE", 8)
     snow = snowsim.Snowpack(**SNOW)
     long, layers = snowsim.simulate(snow, "ku-12-18", n_range_lines=20, rng=1)
     assert long["Data"].shape[1] == layers.sizes["slow_time"] == 20

@@ -21,7 +21,7 @@ CORE = {
     "training",
 }
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "learning", "scoring", "snow", "tracking"}
+FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),
@@ -30,10 +30,6 @@ ALLOWED = {
     ("cgan", "phy"),
     ("tracker", "metrics"),
     ("tracker", "picking"),
-    # The firn's physics is written once.
-    ("physical", "reference.firn"),
-    ("physical", "reference.climate"),
-    ("physical", "profile"),
     ("picking", "frames"),
 }
 # What only some stages may import.
@@ -46,9 +42,11 @@ ONLY = {
     "safetensors": {"io"},
     "matplotlib": {"io"},
     "snakemake": set(),
-    "lib": set(),
-    "pretrained": set(),
 }
+# Packages of the workflow, which nothing in snowsim imports.
+WORKFLOW = {"evaluation", "lib", "pretrained", "reference"}
+# What PHY makes of a snowpack, as a dataset of `io`; the rest of snowpack stands on the core alone.
+SIMULATION = Path("snowpack/simulation")
 MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
 
 
@@ -73,12 +71,13 @@ def test_module_imports_only_what_its_place_allows(module):
     stage = module.parts[0]
     for name in imported_names(module):
         parts = name.split(".")
+        assert parts[0] not in WORKFLOW, f"{module} imports {name}"
         if parts[0] in ONLY:
             assert stage in ONLY[parts[0]], f"{module} imports {name}"
         if parts[0] != "snowsim" or len(parts) == 1 or stage == "__init__":
             continue
         other = parts[1]
-        if other in CORE | {stage, "__version__"} or stage in FRONT:
+        if other in CORE | {stage, "__version__"} or stage in FRONT or module == SIMULATION:
             continue
         allowed = [f"snowsim.{target}." for source, target in ALLOWED if source == stage]
         assert f"{name}.".startswith(tuple(allowed)), f"{module} imports {name}"
@@ -109,8 +108,8 @@ def loaded_with(*names):
 def test_the_configuration_is_checked_without_what_draws_and_trains():
     # Every start of the workflow checks it, dry runs included.
     loaded = loaded_with("lib.configuration")
-    assert {"snowsim.settings.cgan", "snowsim.reference.settings"} <= loaded
-    assert not loaded & {"scipy", "torch", "xarray", "numba", "pandas", "snowsim.reference.echo"}
+    assert {"snowsim.settings.cgan", "reference.settings"} <= loaded
+    assert not loaded & {"scipy", "torch", "xarray", "numba", "pandas", "reference.echo"}
 
 
 def test_the_main_path_imports_nothing_that_judges_it():
@@ -118,3 +117,14 @@ def test_the_main_path_imports_nothing_that_judges_it():
         for path in (PACKAGE.parent / "workflow" / folder).glob("*.py"):
             names = imported_names(path)
             assert not [name for name in names if name.startswith(("evaluation", "main_path"))]
+
+
+def test_the_reference_flight_stands_on_the_core_and_the_physics_of_firn():
+    folder = PACKAGE.parent / "workflow/reference"
+    firn = ("snowsim.snowpack.firn.", "snowsim.snowpack.along_track.")
+    core = tuple(f"snowsim.{name}." for name in CORE)
+    for path in folder.glob("*.py"):
+        for name in imported_names(path):
+            root = name.partition(".")[0]
+            assert root not in WORKFLOW - {"reference"}, f"{path.name} imports {name}"
+            assert root != "snowsim" or name.startswith(core + firn), f"{path.name} imports {name}"

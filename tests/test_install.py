@@ -13,8 +13,8 @@ from processes import run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
+from reference import checked_settings, draw_climate, draw_frame
 from snowsim.io.files import write_dataset
-from snowsim.reference import checked_settings, draw_climate, draw_frame
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

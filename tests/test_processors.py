@@ -30,7 +30,7 @@ import sys
 import numpy as np
 import snowsim
 from snowsim.echogram import Scene
-from snowsim.reference import (
+from reference import (
     checked_settings, draw_climate, draw_complex_segment, draw_frame,
 )
 from snowsim.seeding import random_stream

@@ -13,14 +13,12 @@ import matplotlib.pyplot as plt
 
 import snowsim
 from snowsim.io import read_echogram, read_layers
-from snowsim.reference import checked_settings, draw_climate, draw_frame
-from snowsim.seeding import random_stream
 from snowsim.statistics import fit
 
-folder, settings = Path(tempfile.mkdtemp()), checked_settings({})
-climate = draw_climate(settings, rng=random_stream(1, "climate"))
+folder = Path(tempfile.mkdtemp())
+snow = snowsim.Climate(accumulation_m=0.4)
 for i in range(2):
-    frame = draw_frame(i, 2, 512, climate=climate, settings=settings, rng=random_stream(1, i))
+    frame = snowsim.simulate(snow, "snow-2012", n_range_lines=512, rng=i)
     for kind, dataset in zip(("echogram", "layers"), frame, strict=True):
         dataset.to_netcdf(folder / f"{kind}_{i}.nc")
 

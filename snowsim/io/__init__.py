@@ -34,18 +34,14 @@ def read_echogram(path, *, compensated=False):
 
     Examples
     --------
-    A frame of the synthetic reference flight, written as Open Polar Radar dataset:
+    A simulated frame, written as Open Polar Radar dataset:
 
-    >>> import numpy as np
-    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
-    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> rng = np.random.default_rng(1)
-    >>> climate = draw_climate(settings, rng=rng)
-    >>> drawn, layers = draw_frame(0, 1, 64, climate=climate, settings=settings, rng=rng)
+    >>> from snowsim import Climate, simulate
+    >>> drawn, _ = simulate(Climate(accumulation_m=0.3), "snow-2012", n_range_lines=64, rng=1)
     >>> _ = drawn.to_netcdf("frame.nc")
     >>> echogram = read_echogram("frame.nc")
-    >>> dict(echogram.sizes), echogram["twtt"].attrs["units"]
-    ({'twtt': 300, 'slow_time': 64}, 's')
+    >>> echogram.sizes["slow_time"], echogram["twtt"].attrs["units"]
+    (64, 's')
     """
     from snowsim.io import cresis, datasets, nsidc, sniff
 
@@ -135,12 +131,8 @@ def read_layers(path, *, names=None, missing="refuse"):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
-    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> rng = np.random.default_rng(1)
-    >>> climate = draw_climate(settings, rng=rng)
-    >>> echogram, drawn = draw_frame(0, 1, 64, climate=climate, settings=settings, rng=rng)
+    >>> from snowsim import Climate, simulate
+    >>> _, drawn = simulate(Climate(accumulation_m=0.3), "snow-2012", n_range_lines=64, rng=1)
     >>> _ = drawn.to_netcdf("layers.nc")
     >>> layers = read_layers("layers.nc")
     >>> layers["twtt"].dims, int(layers["layer"][0])

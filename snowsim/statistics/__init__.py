@@ -44,14 +44,11 @@ def fit(frames, *, estimator="deblended"):
 
     Examples
     --------
-    Two frames of the synthetic reference flight:
+    Two simulated frames:
 
-    >>> import numpy as np
-    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
-    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> climate = draw_climate(settings, rng=np.random.default_rng(1))
-    >>> common = {"climate": climate, "settings": settings}
-    >>> frames = (draw_frame(i, 2, 512, **common, rng=np.random.default_rng(i)) for i in range(2))
+    >>> from snowsim import Climate, simulate
+    >>> snow = Climate(accumulation_m=0.4)
+    >>> frames = (simulate(snow, "snow-2012", n_range_lines=512, rng=i) for i in range(2))
     >>> statistics = fit(frames, estimator="paper")
     >>> statistics["thickness_mean_bins"].dims
     ('zone', 'slab')

@@ -9,7 +9,7 @@ from scipy.stats import ttest_1samp
 
 from evaluation.lib import flights
 from evaluation.lib.flight_scores import PAIRS, mean_over_flights, training_scores, worth_table
-from snowsim.reference import checked_settings
+from reference import checked_settings
 
 
 def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown():

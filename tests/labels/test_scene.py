@@ -3,6 +3,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, PLAIN_RELIEF, RELIEF, SPACING_M, planted
 
+from reference import checked_settings, draw_climate
+from reference import draw_scene as reference_scene
 from snowsim.echogram import check_layer_bins, scene_height
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
@@ -13,8 +15,6 @@ from snowsim.labels.undulations import (
     draw_stationary,
     draw_undulations,
 )
-from snowsim.reference import checked_settings, draw_climate
-from snowsim.reference import draw_scene as reference_scene
 from snowsim.seeding import random_stream
 
 LAGS = np.array([1, 4, 16, 64])

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from reference import draw_scene
+from reference.benchmark import SLOTS, scene_position
+from reference.line import line_length_km
 from snowsim.echogram import check_layer_bins, scene_height
-from snowsim.reference import draw_scene
-from snowsim.reference.benchmark import SLOTS, scene_position
-from snowsim.reference.line import line_length_km
 from snowsim.seeding import random_stream
 
 

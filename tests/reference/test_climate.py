@@ -3,10 +3,11 @@ import pytest
 from flights import climate_of
 from numpy.testing import assert_allclose
 
-from snowsim.reference import checked_settings
-from snowsim.reference.climate import draw_along_track, draw_waves
-from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
-from snowsim.reference.settings import Settings, check_window
+from reference import checked_settings
+from reference.climate import draw_waves
+from reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
+from reference.settings import Settings, check_window
+from snowsim.snowpack.along_track import draw_along_track
 
 
 def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances():

@@ -3,12 +3,13 @@ import pytest
 from flights import BARE, climate_of, column_at
 from numpy.testing import assert_allclose, assert_array_equal
 
+from reference import draw_complex_segment, draw_frame
+from reference.echo import draw_echo, draw_layering
+from reference.line import line_length_km
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
-from snowsim.reference import draw_complex_segment, draw_frame, firn
-from snowsim.reference.echo import draw_echo
-from snowsim.reference.line import line_length_km
 from snowsim.seeding import random_stream
+from snowsim.snowpack import firn
 
 
 def drawn_frame(climate, frame):
@@ -143,3 +144,17 @@ def test_segment_is_5_km_of_complex_looks_that_are_independent_and_fifteen_layer
     neighbours = np.mean(surface[1:] * surface[:-1].conj())
     assert abs(neighbours) < 4 / np.sqrt(surface.size) * np.mean(np.abs(surface) ** 2)
     assert_array_equal(np.isfinite(segment["layer_twtt"]), True)
+
+
+def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):
+    spacing_m, length_m = 0.005, 0.0225
+    layering = draw_layering(400, 2000, spacing_m, 50, length_m, rng=rng)
+    # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow
+    # four standard errors.
+    assert_allclose(layering.std(), 50, rtol=4 / np.sqrt(2 * 1.7e5))
+    lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
+    products = layering[:, :-lag] * layering[:, lag:]
+    correlation = products.mean() / layering.var()
+    assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
+    layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
+    assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))

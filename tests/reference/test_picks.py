@@ -1,9 +1,9 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
+from reference.picks import n_visible_layers, pick_peaks, rise_db
+from reference.settings import PickSettings
 from snowsim.echogram import check_layer_bins
-from snowsim.reference.picks import n_visible_layers, pick_peaks, rise_db
-from snowsim.reference.settings import PickSettings
 
 SETTINGS = PickSettings(picker_db=1.6, wrong_share=0)
 

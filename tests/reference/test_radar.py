@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from reference import radar as rd
+from reference.settings import RadarSettings
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.reference import radar as rd
-from snowsim.reference.settings import RadarSettings
 
 RADAR = RadarSettings()
 MARGIN = rd.range_response(RADAR).size // 2 + RADAR.n_sub_bins

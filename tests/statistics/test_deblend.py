@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 from planted import waveform
 
-from snowsim.reference import checked_settings, draw_climate, draw_frame
+from reference import checked_settings, draw_climate, draw_frame
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.deblend import Groups, deblend, prepare_line, waveform_columns
 from snowsim.statistics.paper import measure_groups

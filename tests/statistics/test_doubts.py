@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from snowsim.reference import checked_settings, draw_climate, draw_frame
+from reference import checked_settings, draw_climate, draw_frame
 from snowsim.statistics import fit
 from snowsim.statistics.doubts import looks_like_amplitude
 

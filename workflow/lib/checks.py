@@ -8,7 +8,12 @@ from pathlib import Path
 # Nearly all of a run's disk holds frames and scenes, whose rules state it; this is for the rest.
 SMALL_FILES_MB = 20
 # Code that scripts import.
-IMPORTED = ("snowsim/**/*.py", "workflow/**/lib/**/*.py", "workflow/pretrained/*.py")
+IMPORTED = (
+    "snowsim/**/*.py",
+    "workflow/**/lib/**/*.py",
+    "workflow/pretrained/*.py",
+    "workflow/reference/*.py",
+)
 # First and last results on the way from the flight to both tables.
 LANDMARKS = ("statistics.nc", "tables/table2.csv", "tables/table3.csv")
 

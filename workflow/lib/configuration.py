@@ -9,7 +9,7 @@ from pathlib import Path
 import jsonschema
 import yaml
 
-from snowsim.reference.settings import PROFILES
+from reference.settings import PROFILES
 from snowsim.settings import replaced
 from snowsim.settings.cgan import RECIPES as CGAN
 from snowsim.settings.phy import RECIPES as PHY

@@ -24,8 +24,8 @@ def observed(config):
 
 def check_reference(reference, flight):
     """ValueError if settings of the reference flight contradict each other or frames do not fit."""
-    from snowsim.reference import checked_settings
-    from snowsim.reference.line import line_length_km
+    from reference import checked_settings
+    from reference.line import line_length_km
 
     try:
         checked_settings(reference)

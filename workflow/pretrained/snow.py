@@ -11,10 +11,9 @@ from pretrained.resizing import resized
 from pretrained.scores import Calibrated, Picks, followed, pick_scores
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.echogram import Scene, to_uint8
-from snowsim.front import Climate, Radar, simulate
 from snowsim.picking.confidence import half_width_rows
 from snowsim.seeding import random_stream
-from snowsim.snow import accumulation
+from snowsim.snowpack import Climate, Radar, accumulation, simulate
 from snowsim.tracker.calibration import Calibration, fused_logits
 
 # Of the firn of flights and climates: density at the surface [kg m-3], annual mean [K].

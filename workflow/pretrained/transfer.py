@@ -5,7 +5,7 @@ from collections import Counter
 
 from snakemake.utils import update_config
 
-from snowsim.reference import checked_settings
+from reference import checked_settings
 
 TUNING_SEEDS = range(1000, 2000)
 

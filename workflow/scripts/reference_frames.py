@@ -2,8 +2,8 @@
 
 from job import job, progress
 
+from reference import checked_settings, draw_climate, draw_complex_segment, draw_frame
 from snowsim.io.files import write_dataset
-from snowsim.reference import checked_settings, draw_climate, draw_complex_segment, draw_frame
 from snowsim.seeding import random_stream
 
 with job(snakemake):

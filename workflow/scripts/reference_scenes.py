@@ -2,8 +2,8 @@
 
 from job import job, progress
 
+from reference import checked_settings, draw_climate, draw_scene
 from snowsim.io.scenes import write_scenes
-from snowsim.reference import checked_settings, draw_climate, draw_scene
 from snowsim.seeding import random_stream
 
 with job(snakemake):

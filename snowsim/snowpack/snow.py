@@ -8,11 +8,11 @@ import pandas as pd
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers
 from snowsim.limits import check_values
-from snowsim.profile import interfaces
-from snowsim.reference.firn import (
+from snowsim.snowpack.firn import (
     depth_herron_langway80,
     travel_time_s,
 )
+from snowsim.snowpack.profile import interfaces
 
 SURFACE = "surface"
 DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)

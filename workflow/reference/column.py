@@ -4,17 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reference.climate import N_YEARS
+from reference.line import Place, place_at
 from snowsim.constants import WATER_DENSITY_KG_M3
 from snowsim.limits import check_count
-from snowsim.reference.climate import N_YEARS, draw_along_track
-from snowsim.reference.firn import (
+from snowsim.snowpack.along_track import draw_along_track
+from snowsim.snowpack.firn import (
     KOVACS_M3_KG,
     density_herron_langway80,
     depth_herron_langway80,
     reflectivity,
     travel_time_s,
 )
-from snowsim.reference.line import Place, place_at
 
 BROKEN_SHARE = 0.15  # of a horizon's step that is left where percolation broke it
 # Spread that full percolation adds to the strength of horizons, since it melts whole years away.

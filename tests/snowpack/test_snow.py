@@ -11,7 +11,7 @@ from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import write_dataset
 from snowsim.io.profiles import Profile
-from snowsim.snow import AGE_UNCERTAIN, COLUMNS, COUNT_UNCERTAIN, accumulation, table
+from snowsim.snowpack.snow import AGE_UNCERTAIN, COLUMNS, COUNT_UNCERTAIN, accumulation, table
 
 N_LINES = 400
 DENSITY = 400.0

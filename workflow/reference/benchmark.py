@@ -1,5 +1,8 @@
 """Scenes of the synthetic benchmark: 8-bit images from tracks parallel to the sample flight's."""
 
+from reference.echo import draw_stretch
+from reference.line import line_length_km
+from reference.picks import pick_peaks, visible_layers
 from snowsim.echogram import (
     ROWS_BELOW_LAST_LAYER,
     SURFACE_ROW,
@@ -9,9 +12,6 @@ from snowsim.echogram import (
     to_uint8,
 )
 from snowsim.limits import check_values
-from snowsim.reference.echo import draw_stretch
-from snowsim.reference.line import line_length_km
-from snowsim.reference.picks import pick_peaks, visible_layers
 
 SPLITS = ("train", "validation", "test")
 SLOTS = 160  # places for scenes on one track

@@ -2,7 +2,7 @@
 
 import importlib
 
-from snowsim.reference.settings import Settings, checked_settings
+from reference.settings import Settings, checked_settings
 
 # Functions that draw, by their module. They are loaded at first use, since starting the workflow
 # only checks settings.

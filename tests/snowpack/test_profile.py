@@ -11,8 +11,7 @@ from snowpacks import depth_to_delay
 import snowsim
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
-from snowsim.physical import PRESETS, Climate, Snowpack, physical_parameters
-from snowsim.profile import combine
+from snowsim.snowpack import PRESETS, Climate, Snowpack, combine, physical_parameters
 
 # 600-900 MHz, 2-8, 12-18 and 2-18 GHz.
 each_band = pytest.mark.parametrize("band", ["accumulation", "snow-2-8", "ku-12-18", "snow-2-18"])

@@ -14,13 +14,13 @@ from snowsim.constants import (
 )
 from snowsim.echogram import check_choice
 from snowsim.limits import check_values
-from snowsim.profile import Sweep, combine, interfaces
-from snowsim.reference.climate import draw_along_track
-from snowsim.reference.firn import (
+from snowsim.snowpack.along_track import draw_along_track
+from snowsim.snowpack.firn import (
     density_herron_langway80,
     depth_herron_langway80,
     travel_time_s,
 )
+from snowsim.snowpack.profile import Sweep, combine, interfaces
 
 LEAST_USED = 0.05  # of the sweep by its window; below, samples of the window are too few
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
@@ -119,7 +119,7 @@ class Radar:
 
     @property
     def sweep(self):
-        """Frequencies as `snowsim.profile` takes them, its band that of the range response."""
+        """Frequencies as `snowsim.snowpack.combine` takes them, of the range response's band."""
         weight = self._weight()
         place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
         frequency_hz = self.centre_hz + place * self.bandwidth_hz / self.widening
@@ -170,9 +170,9 @@ def _sweep(start_hz, stop_hz, bin_s=None, **others):
     return Radar(centre_hz=start_hz + width_hz / 2, bandwidth_hz=width_hz, bin_s=bin_s, **others)
 
 
-# Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the
-# reference flight's, see snowsim.reference.settings; no published beam was at hand, and on slopes
-# of 0.03 it makes 2 % of the decay.
+# Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: those of
+# workflow/reference/settings.py; no published beam was at hand, and on slopes of 0.03 it makes 2 %
+# of the decay.
 PRESETS = {
     # Sweep: Table I of Yari et al. (2021), IEEE JSTARS 14; bins: product of 2016, 1.30 cm of air.
     "snow-2-8": _sweep(2e9, 8e9, bin_s=8.67e-11),
@@ -248,7 +248,7 @@ class Snowpack:
         sample's snow goes on below. NaN in `density_kg_m3` [kg m-3] is missing, as is what no
         sample reaches: density goes on to the surface from the first sample, straight lines bridge
         gaps, without an echo, and a warning tells. `others` are those of `Snowpack`. Interfaces
-        stay as measured; how they combine, a radar decides: `snowsim.profile.combine`.
+        stay as measured; how they combine, a radar decides: `snowsim.snowpack.combine`.
         """
         given = {"depth_m": depth_m, "density_kg_m3": density_kg_m3, "thickness_m": thickness_m}
         given = {name: _filled(name, value) for name, value in given.items() if value is not None}

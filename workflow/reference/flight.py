@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from reference.echo import draw_stretch
+from reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
+from reference.picks import pick_peaks, visible_layers
+from reference.radar import draw_look
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.limits import check_count, check_values
-from snowsim.reference.echo import draw_stretch
-from snowsim.reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
-from snowsim.reference.picks import pick_peaks, visible_layers
-from snowsim.reference.radar import draw_look
 
 SYNTHETIC = "synthetic reference flight, not observed data"
 TAKE_OFF = np.datetime64("2012-04-29T12:00:00", "ns")

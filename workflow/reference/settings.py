@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass, field
 
+from reference.line import line_length_km, place_at
 from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.limits import check_values
-from snowsim.reference.firn import depth_herron_langway80, travel_time_s
-from snowsim.reference.line import line_length_km, place_at
 from snowsim.settings import Checked, limited, replaced, setting
+from snowsim.snowpack.firn import depth_herron_langway80, travel_time_s
 
 DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
 

@@ -3,8 +3,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import cumulative_trapezoid
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
-from snowsim.reference import firn
-from snowsim.reference.echo import draw_layering
+from snowsim.snowpack import firn
 
 PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
 
@@ -44,17 +43,3 @@ def test_permittivity_of_ice_is_that_of_kovacs_and_a_small_step_reflects_as_fres
     assert_allclose(firn.reflectivity(10, 400), fresnel, rtol=1e-12)
     of_air_on_snow = ((1.2873 - 1) / (1.2873 + 1)) ** 2
     assert_allclose(firn.surface_reflectivity(340), of_air_on_snow, rtol=1e-4)
-
-
-def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):
-    spacing_m, length_m = 0.005, 0.0225
-    layering = draw_layering(400, 2000, spacing_m, 50, length_m, rng=rng)
-    # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow
-    # four standard errors.
-    assert_allclose(layering.std(), 50, rtol=4 / np.sqrt(2 * 1.7e5))
-    lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
-    products = layering[:, :-lag] * layering[:, lag:]
-    correlation = products.mean() / layering.var()
-    assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
-    layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
-    assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))

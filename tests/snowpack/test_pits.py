@@ -12,7 +12,7 @@ import snowsim
 from snowsim import cli
 from snowsim.io.files import read_dataset
 from snowsim.io.profiles import read_profile
-from snowsim.physical import Snowpack
+from snowsim.snowpack import Snowpack
 
 
 def snow_of(profile):

@@ -7,11 +7,8 @@ from scipy import fft
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.reference.climate import draw_along_track, gaussian_taps
-from snowsim.reference.column import Column, draw_column
-from snowsim.reference.firn import KOVACS_M3_KG, refractive_index_kovacs95, surface_reflectivity
-from snowsim.reference.radar import (
+from reference.column import Column, draw_column
+from reference.radar import (
     SATURATION_LEVEL,
     SATURATION_NOISE,
     draw_coherent_noise,
@@ -25,6 +22,9 @@ from snowsim.reference.radar import (
     received_mean,
     sidelobes,
 )
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.snowpack.along_track import draw_along_track, gaussian_taps
+from snowsim.snowpack.firn import KOVACS_M3_KG, refractive_index_kovacs95, surface_reflectivity
 
 FOOTPRINT_M = 14.5  # along track, Table I of Yari et al. (2021), IEEE JSTARS 14
 SURFACE_LENGTH_M = 120.0  # correlation length of the surface echo's strength
