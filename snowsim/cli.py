@@ -21,7 +21,9 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 COUNT = click.IntRange(1)
 NOT_NEGATIVE = click.FloatRange(0)
 POSITIVE = click.FloatRange(0, min_open=True)
-seed_option = click.option("--seed", type=click.IntRange(0), default=0, help="Of what is drawn.")
+seed_option = click.option(
+    "--seed", type=click.IntRange(0), default=0, help="Seed of the random numbers."
+)
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
@@ -157,7 +159,7 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
 @click.argument("predictions", type=EXISTING)
 @click.argument("truth", type=EXISTING)
 @click.option(
-    "--output", type=click.Choice(OUTPUTS), help="Of the published predictor; default: fuse."
+    "--output", type=click.Choice(OUTPUTS), help="Output of the published predictor; default: fuse."
 )
 @click.option(
     "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
@@ -167,11 +169,23 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
 )
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
 @click.option(
-    "--tolerance", type=NOT_NEGATIVE, default=0.0075, help="Of matches, as a share of the diagonal."
+    "--tolerance",
+    type=NOT_NEGATIVE,
+    default=0.0075,
+    help="Largest distance of a match, as a share of the diagonal.",
 )
-@click.option("--tolerance-bins", type=NOT_NEGATIVE, help="Of matches, in pixels instead.")
-@click.option("--max-distance-bins", type=POSITIVE, default=10.0, help="Of a pick from its layer.")
-@click.option("--within-bins", type=NOT_NEGATIVE, default=2.0, help="Errors to count as small.")
+@click.option(
+    "--tolerance-bins", type=NOT_NEGATIVE, help="Largest distance of a match in pixels instead."
+)
+@click.option(
+    "--max-distance-bins",
+    type=POSITIVE,
+    default=10.0,
+    help="Largest distance of a pick from its layer.",
+)
+@click.option(
+    "--within-bins", type=NOT_NEGATIVE, default=2.0, help="Largest error to count as small."
+)
 @click.option("--bin-s", type=POSITIVE, help="Range bin of the echograms that layer files are of.")
 @click.option(
     "--bootstrap",

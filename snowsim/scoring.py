@@ -12,16 +12,24 @@ from snowsim.echogram import layer_mask
 from snowsim.io.guard import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
 from snowsim.limits import check_count, check_values
-from snowsim.metrics.comparison import METRICS, replica_scores
-from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
-from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
+from snowsim.metrics.edges import (
+    COUNTS,
+    METRICS,
+    THRESHOLDS,
+    match_counts,
+    score,
+    stack_counts,
+    suppress,
+)
+from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
 from snowsim.picking import pick_layers
 from snowsim.progress import shown
 
 OPTIONAL = ("tolerance_bins", "bin_s")
 ABOVE_0 = ("max_distance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
-SAME_TIME = np.timedelta64(1, "ms")  # of a range line in two files
+# Largest difference between the times of a range line in two files.
+SAME_TIME = np.timedelta64(1, "ms")
 FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
     "mean_absolute_error_bins",
@@ -221,7 +229,7 @@ class _Image:
     edges: np.ndarray
     mask: np.ndarray
     layer_bins: np.ndarray
-    thickness: float = 1.0  # of the mask as it was drawn [pixels]
+    thickness: float = 1.0  # thickness of the mask as it was drawn [pixels]
 
 
 def _read_image(prediction, truth, suppressed):
@@ -335,10 +343,10 @@ def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     if counts is not None:
         stacked = stack_counts(counts)
         resamples = shown(draws, unit="resample")
-        scores = [replica_scores([stacked], draw)[0] for draw in resamples]
+        scores = [score({name: stacked[name][draw] for name in COUNTS}) for draw in resamples]
         images = _beside([_of_edges([image]) for image in counts], images)
         whole = _beside([_of_edges(stacked)], whole)
-        resampled = _beside([dict(zip(METRICS, row, strict=True)) for row in scores], resampled)
+        resampled = _beside(pd.DataFrame(scores)[list(METRICS)], resampled)
     ends = pd.DataFrame(index=range(2))
     if len(names) > 1:
         ends = resampled.quantile([0.025, 0.975])

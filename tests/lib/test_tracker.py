@@ -12,7 +12,7 @@ from lib.score_tables import tracker_intervals
 from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.pick_tables import SUMS
+from snowsim.metrics.picks import SUMS
 from snowsim.seeding import random_stream
 
 SETS = ["rd", "rd_gd"]

@@ -1,10 +1,13 @@
 from itertools import combinations
 
 import numpy as np
+import pandas as pd
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
-from snowsim.metrics.picks import match_picks
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.echogram import zone_of
+from snowsim.metrics.picks import layer_rows, match_picks, pool_picks, snow_per_bin_m
 
 
 def best_saving(true, found, reach):
@@ -38,3 +41,65 @@ def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
 def test_picks_that_cannot_be_matched_are_refused(picks, message):
     with pytest.raises(ValueError, match=message):
         match_picks(picks, [[5.0, 5.0]])
+
+
+def pooled(picks, layer_bins):
+    """Errors of the picks of one scene."""
+    return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[
+        0
+    ]
+
+
+def test_missed_and_false_layers_are_counted(layer_bins):
+    picks = np.vstack([layer_bins, np.full((1, 120), 300.0)])  # 300 lies below every layer's reach
+    picks[4] = np.nan
+    picks[6, :61] = np.nan
+    picks[7, :60] = np.nan
+    rows = layer_rows(picks, layer_bins)
+    scores = pooled(picks, layer_bins)
+    assert scores["n_layers"] == 8
+    assert scores["n_missed_layers"] == 2  # the absent one and the one with 59 of 120 range lines
+    assert scores["n_false_layers"] == 1
+    assert_allclose(scores["share_found"], (8 * 120 - 120 - 61 - 60) / (8 * 120))
+    assert rows["n_picks"].sum() == 120
+    assert scores["mean_absolute_error_bins"] == 0
+    # A slab counts where both of its bounds have a pick: three whole slabs above layer 4, one below
+    # it, one in part.
+    assert rows["n_thickness"].sum() == 3 * 120 + 59 + 59
+
+
+def test_scenes_pool_by_pixel_and_not_by_scene():
+    truth = np.array([[50.0], [80.0]]) * np.ones(100)
+    short = truth.copy()
+    short[:, 10:] = np.nan
+    rows = pd.concat([layer_rows(truth + 1, truth), layer_rows(short + 2, short)]).assign(set="a")
+    both = pool_picks(rows, ["set"], bin_size_m=0.03).iloc[0]
+    assert_allclose(both["mean_absolute_error_bins"], (200 * 1 + 20 * 2) / 220)
+    assert_allclose(both["bias_m"], (200 * 1 + 20 * 2) / 220 * 0.03)
+    assert both["thickness_mean_absolute_error_bins"] == 0
+
+
+def test_errors_stay_with_the_depth_they_were_planted_at():
+    truth = np.array([[50.0], [80.0], [110.0]]) * np.ones(40)
+    picks = truth + np.array([[0.0], [1.0], [3.0]])
+    rows = layer_rows(picks, truth)
+    assert_array_equal(rows["layer"], [0, 1, 2])
+    assert_allclose(rows["depth_bins"], [0, 30, 60])
+    assert_allclose(rows["absolute_error"] / rows["n_found"], [0, 1, 3])
+    assert_allclose(rows["thickness_error"], [0, 40, 80])
+    assert_array_equal(rows["n_within"], [40, 40, 0])
+
+
+def test_groups_without_picks_are_nan_and_miss_their_layers():
+    scores = pooled(np.empty((0, 40)), np.array([[50.0], [80.0]]) * np.ones(40))
+    assert np.isnan(scores["mean_absolute_error_bins"])
+    assert (scores["share_found"], scores["n_found"], scores["n_missed_layers"]) == (0, 0, 2)
+
+
+def test_zones_are_quartiles_open_at_both_ends_and_a_bin_of_snow_is_thinner_than_of_air():
+    edges = [10, 13, 16, 20, 30]
+    thickness_bins = [5, 10, 12.9, 13, 18, 20, 99, np.nan]
+    assert_array_equal(zone_of(thickness_bins, edges), [0, 0, 0, 1, 2, 3, 3, -1])
+    assert_allclose(snow_per_bin_m(2.886e-10, 0), SPEED_OF_LIGHT_M_S * 2.886e-10 / 2)
+    # 4.33 cm in air (2012 product); index 1.2873 at 340 kg m-3.
+    assert_allclose(snow_per_bin_m(2.886e-10, 340), 0.0433 / 1.2873, rtol=2e-3)

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.comparison import METRICS, replica_scores
-from snowsim.metrics.edges import COUNTS, score, stack_counts
+from snowsim.metrics.edges import COUNTS, METRICS, score, stack_counts
 
 
 def similarity_table(images):
@@ -125,9 +124,10 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
 
 def _means(replicas, images=slice(None)):
     """Mean over replicas of each of `METRICS`, on some images, (metric,)."""
-    scores = replica_scores(replicas, images)
-    # Metric by metric, since the rounding of a sum depends on how its values lie in memory.
-    return np.array([scores[:, index].mean() for index in range(len(METRICS))])
+    scores = [
+        score({name: values[images] for name, values in replica.items()}) for replica in replicas
+    ]
+    return np.array([np.mean([each[metric] for each in scores]) for metric in METRICS])
 
 
 def _resampled(replicas, draws):

@@ -9,7 +9,7 @@ import torch
 from lib.score_tables import counts_by_image
 from snowsim.io.models import read_model
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
-from snowsim.metrics.pick_tables import layer_rows
+from snowsim.metrics.picks import layer_rows
 from snowsim.picking import pick_layers
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
 

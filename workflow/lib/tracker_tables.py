@@ -1,13 +1,12 @@
-"""Tables of all trackers: curves, tests, scores by accumulation zone, and errors of picks."""
+"""Tables of all trackers: curves, scores by accumulation zone, and errors of picks."""
 
 import numpy as np
 import pandas as pd
 
 from lib.score_tables import tracker_intervals
 from snowsim.echogram import zone_of
-from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import precision_recall
-from snowsim.metrics.pick_tables import ZONES, pool_picks
+from snowsim.metrics.picks import ZONES, pool_picks
 from snowsim.seeding import random_stream
 
 RUN = ["training_set", "replica"]
@@ -30,13 +29,6 @@ def fused_curves(counts, training_sets):
         )
         frames.append(frame)
     return pd.concat(frames)
-
-
-def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Comparison of the fused scores of pairs of training sets, `snowsim.metrics.comparison`."""
-    fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
-    table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng)
-    return table.rename(columns={"name": "training_set"})
 
 
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):

@@ -11,7 +11,7 @@ from torch.nn import functional
 from pretrained.resizing import AS_THEY_ARE, resized, resized_rows
 from snowsim.echogram import crossing_layers
 from snowsim.io.files import read_table
-from snowsim.metrics.pick_tables import layer_rows
+from snowsim.metrics.picks import layer_rows
 from snowsim.picking.candidates import find_candidates
 from snowsim.picking.card import CONFIDENCE
 from snowsim.picking.confidence import confidence

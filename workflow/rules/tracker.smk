@@ -66,7 +66,6 @@ rule tabulate_trackers:
     output:
         table3=report("results/tables/table3.csv", category="tracker"),
         intervals="results/tables/table3_intervals.csv",
-        tests="results/tables/table3_tests.csv",
         curves="results/tables/precision_recall.csv",
         zones="results/tables/table3_zones.csv",
         pick_errors="results/tables/picks.csv",

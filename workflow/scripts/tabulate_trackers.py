@@ -1,4 +1,4 @@
-"""Table III with its intervals, tests and curves; scores by zone; errors of picks."""
+"""Table III with its intervals and curves; scores by zone; errors of picks."""
 
 from job import job
 
@@ -6,7 +6,7 @@ from lib import tracker_tables
 from lib.score_tables import counts_of_runs, tracker_intervals, tracker_table
 from snowsim.echogram import zone_of
 from snowsim.io.files import read_dataset, read_table, write_table
-from snowsim.metrics.pick_tables import pool_picks, snow_per_bin_m
+from snowsim.metrics.picks import pool_picks, snow_per_bin_m
 from snowsim.seeding import random_stream
 
 with job(snakemake):
@@ -22,10 +22,6 @@ with job(snakemake):
     intervals = tracker_intervals(scores, training_sets, n_bootstrap=n_bootstrap, rng=rng)
     write_table(snakemake.output.intervals, intervals)
     write_table(snakemake.output.table3, tracker_table(intervals))
-    rng = random_stream(seed, "tabulate_trackers", "tests")
-    to_first = [(training_set, training_sets[0]) for training_set in training_sets[1:]]
-    tested = tracker_tables.paired_tests(scores, to_first, n_bootstrap=n_bootstrap, rng=rng)
-    write_table(snakemake.output.tests, tested)
     curves = tracker_tables.fused_curves(scores, training_sets)
     write_table(snakemake.output.curves, curves)
 

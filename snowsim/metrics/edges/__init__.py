@@ -5,12 +5,13 @@ integers, so images may be counted in any order and in shards; `score` pools the
 """
 
 from snowsim.metrics.edges.counts import THRESHOLDS, match_counts
-from snowsim.metrics.edges.scores import COUNTS, precision_recall, score, stack_counts
+from snowsim.metrics.edges.scores import COUNTS, METRICS, precision_recall, score, stack_counts
 from snowsim.metrics.edges.suppression import suppress
 from snowsim.metrics.edges.thinning import thin
 
 __all__ = [
     "COUNTS",
+    "METRICS",
     "THRESHOLDS",
     "match_counts",
     "precision_recall",

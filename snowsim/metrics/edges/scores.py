@@ -4,6 +4,7 @@ import numpy as np
 
 from snowsim.limits import check_values
 
+METRICS = ("ods", "ois", "ap")
 COUNTS = ("matched_truth", "n_truth", "matched_prediction", "n_prediction")
 EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 

@@ -30,7 +30,7 @@ SHAPE = (512, 512)
 LEVELS = np.array([0.01, 0.1, 0.5, 0.9, 0.99])
 MOST_LOOKS_SUMMED = 20  # more take seconds
 LAW_LIMIT_DB = 0.05
-# Of the quadrature.
+# Settings of the quadrature.
 REACH_DEVIATIONS = 9.5  # beyond, a Gaussian is below 3e-20 of its peak
 REACH_DECAYS = 45  # beyond, an exponential is
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(128)

@@ -10,8 +10,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from lib.score_tables import counts_by_image
-from snowsim.metrics.comparison import METRICS
-from snowsim.metrics.edges import score
+from snowsim.metrics.edges import METRICS, score
 
 LEVEL = 0.05  # significance level of a two-sided test
 # Pairs (training set, base) that are compared. The first, in ODS, is the endpoint, named before the

@@ -12,7 +12,7 @@ from PIL import Image
 from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced
 from evaluation.lib.machine import describe_machine, describe_versions
 from snowsim.io.files import written_whole
-from snowsim.metrics.pick_tables import snow_per_bin_m
+from snowsim.metrics.picks import snow_per_bin_m
 
 # Headings of stages; a stage that is not listed is headed by its own name.
 STAGES = {

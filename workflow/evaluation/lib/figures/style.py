@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 
 from snowsim.echogram import SURFACE_ROW
 from snowsim.io.files import written_whole
-from snowsim.metrics.pick_tables import snow_per_bin_m
+from snowsim.metrics.picks import snow_per_bin_m
 
 # Okabe & Ito (2008), distinct for colour-blind readers too.
 BLACK = "#000000"
