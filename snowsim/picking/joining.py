@@ -1,4 +1,4 @@
-"""Pieces that are one layer joined, and layers put in order, downwards."""
+"""Pieces put in order, downwards, and those that are one layer joined."""
 
 import heapq
 
@@ -35,6 +35,12 @@ def join(pieces):
             below[upper] |= below[lower]
     whole = {number: _whole(pieces, layer == number) for number in np.unique(layer)}
     return [whole[number] for number in _order(whole, layer, below)]
+
+
+def downwards(pieces):
+    """The pieces, list of `Piece`: of two on one range line the upper comes first."""
+    order = _order(dict(enumerate(pieces)), range(len(pieces)), _next_below(pieces))
+    return [pieces[number] for number in order]
 
 
 def _ends(pieces):

@@ -11,7 +11,7 @@ from snowsim.limits import check_values
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.canonical import Canonical
 from snowsim.picking.confidence import confidence
-from snowsim.picking.joining import join
+from snowsim.picking.joining import downwards, join
 from snowsim.picking.layers import layers_of, on_lines
 from snowsim.picking.linking import Linking, Piece, link
 from snowsim.picking.windows import log_odds_by_lines
@@ -86,7 +86,10 @@ def linked(candidates, linking, threshold):
 
 
 def pick_layers(probability, *, threshold, where="image"):
-    """Layers in a map of the probability of a layer, as `snowsim track` links them.
+    """Layers in a map of the probability of a layer, linked as `snowsim track` links them.
+
+    `snowsim track` also gives the pieces of a layer on either side of a long gap one name; here
+    each is a layer.
 
     Parameters
     ----------
@@ -116,7 +119,7 @@ def pick_layers(probability, *, threshold, where="image"):
     log_odds = logit(np.clip(probability, *CERTAIN))
     candidates = find_candidates(log_odds, even - linking.skipped)
     lines = np.arange(probability.shape[1])
-    pieces = linked(candidates, linking, even)
+    pieces = downwards(link(candidates, linking, even))
     rows = [on_lines(piece, piece.excess, lines, linking.longest)[0] for piece in pieces]
     rows = np.array(rows).reshape(-1, lines.size)
     rows[crossing_layers(rows)] = np.nan

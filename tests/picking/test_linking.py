@@ -140,10 +140,10 @@ def test_gaps_are_bridged_up_to_the_longest_and_specks_are_dropped():
     mask[20] = 1
     mask[20, 100:105] = 0  # five skipped lines
     mask[40] = 1
-    mask[40, 100:120] = 0  # a fade: one layer still, without picks there
+    mask[40, 100:120] = 0  # a fade: two pieces, the longer first
     mask[50, 30:60] = 1
     picks = pick_layers(mask, threshold=0.5)
-    assert np.isfinite(picks).sum(axis=1).tolist() == [256, 236]
+    assert np.isfinite(picks).sum(axis=1).tolist() == [256, 136, 100]
     assert pick_layers(np.zeros((50, 60)), threshold=0.5).shape == (0, 60)
 
 
