@@ -37,10 +37,8 @@ PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # of a shape about its start
 FIRST_DECAY = np.log([0.05, 0.5])  # limits of the decay rate at the start, log of [per bin]
 # [bins^2] Fits start from a waveform as narrow as the range response, and from a wide one.
 FIRST_VARIANCES = (0.7, 8.0)
-MISFIT_LAGS = np.arange(-4, 17)  # [bins] below a pick: misfit that lasts along track is sought here
-MISFIT_LINES = 10  # averaged lines needed to estimate this misfit
 MOST_STEPS = 3  # evaluations of a fit between changes of weights
-MOST_ROUNDS = 4  # of weighing residuals, and of giving layers shapes of their own
+MOST_ROUNDS = 4  # of weighing residuals
 # A fit has settled when log decay, log variance and offset [bins] change by less than this: a
 # tenth of the smallest error allowed in them.
 SETTLED = 5e-3
@@ -79,6 +77,11 @@ class Line:
     smooth: np.ndarray  # smoothed power, (row,)
     scale: np.ndarray  # residuals are weighted by 1 / scale^2, (row,)
 
+    @property
+    def kind(self):
+        """Number of the shape of each layer, (layer,): 0 of the surface, 1 of buried layers."""
+        return np.minimum(self.layers, 1)
+
 
 def deblend(groups, decay_rate):
     """Fit waveform shapes of all layers of a flight, and powers (group, layer), jointly.
@@ -94,41 +97,28 @@ def deblend(groups, decay_rate):
     linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57).
 
     A shape is a log decay rate, a log variance and the distance c of the waveform's peak below the
-    pick. Least squares find one shape for the surface and one for all buried layers; a buried layer
-    has its own only if the Bayesian information criterion favours that, see `departing`. A broad
-    prior (`PRIOR_DEVIATION`) holds parameters that the data do not constrain. Residuals have the
-    weight 1 / P^2 because of speckle. Positive ones weigh less, as under Cauchy's law, because
-    unpicked echoes only add to the waveforms. An unpicked layer between two picked ones is fitted
-    too, at an interpolated row; a line ends soon below its last pick, because nothing deeper is
-    annotated.
+    pick. Least squares find one shape for the surface and one for all buried layers. A broad prior
+    (`PRIOR_DEVIATION`) holds parameters that the data do not constrain. Residuals have the weight
+    1 / P^2 because of speckle. Positive ones weigh less, as under Cauchy's law, because unpicked
+    echoes only add to the waveforms. An unpicked layer between two picked ones is fitted too, at an
+    interpolated row; a line ends soon below its last pick, because nothing deeper is annotated.
     """
     lines = [prepare_line(groups, group) for group in _spread_out(groups.present)]
     lines = [line for line in lines if line is not None]
-    # The surface is of kind 0, buried layers are of kind 1 until one departs.
-    kind = np.minimum(np.arange(groups.present.shape[1]), 1)
-    start = np.tile([FIRST_DECAY.mean(), 0.0, 0.0], (kind.max() + 1, 1))
-    for k, shape in enumerate(start):
-        measured = decay_rate[:, kind == k]
+    start = np.tile([FIRST_DECAY.mean(), 0.0, 0.0], (2, 1))
+    for shape, measured in zip(start, (decay_rate[:, 0], decay_rate[:, 1:]), strict=True):
         measured = measured[measured > 0]
         if measured.size:
             shape[0] = np.clip(np.log(np.median(measured)), *FIRST_DECAY)
     starts = [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
-    shape, lines = _first_shapes(starts, kind, lines)
-    for _ in range(MOST_ROUNDS):
-        own = departing(shape, kind, lines)
-        if not own.any():
-            break
-        shape = np.concatenate([shape, shape[kind[own]]])
-        kind = np.where(own, kind.max() + np.cumsum(own), kind)
-        shape, _ = _fit_shapes(shape, kind, lines)
-    shape = shape[kind]
-    decay_rate, variance = np.exp(shape[:, :2].T)
+    shape = _best_shapes(starts, lines)
+    of_layers = shape[np.minimum(np.arange(groups.present.shape[1]), 1)]
+    decay_rate, variance = np.exp(of_layers[:, :2].T)
     variables = {
         "decay_rate": ("layer", decay_rate),
         "width_bins": ("layer", waveform_width(variance, decay_rate)),
         "variance_bins2": ("layer", variance),
-        "offset_bins": ("layer", shape[:, 2]),
-        "own_shape": ("layer", (kind > 1).astype(np.int64)),
+        "offset_bins": ("layer", of_layers[:, 2]),
     }
     _, height = waveform_peak(variance, decay_rate)
     powers = np.full(groups.present.shape, np.nan)
@@ -141,26 +131,25 @@ def deblend(groups, decay_rate):
     return variables, powers
 
 
-def _first_shapes(starts, kind, lines):
-    """Shapes by kind (kind, 3) of the best fit from several starts, and its weighted lines.
+def _best_shapes(starts, lines):
+    """Shapes by kind (kind, 3) of the best fit from several starts.
 
     Fits that end at a limit do not count, even at a smaller loss: a surface waveform that is much
     too wide takes the surface's peak for an unpicked echo. If all end at a limit, it warns.
     """
     # One round on a quarter of the lines leads from each start to where a fit to all lines begins.
-    tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
+    tried = [_fit_shapes(start, lines[::4], n_rounds=1) for start in starts]
     fitted = []
     for shape, _ in tried:
-        # A fit changes the scales of its lines, so each has copies.
-        own_lines = [replace(line) for line in lines]
-        fitted.append((*_fit_shapes(shape, kind, own_lines), own_lines))
+        # A fit changes the scales of its lines, so each gets copies.
+        fitted.append(_fit_shapes(shape, [replace(line) for line in lines]))
     inside = [found for found in fitted if _is_inside(found[0])]
     if not inside:
         msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
         msg += "decay_rate, variance_bins2 and offset_bins"
         warnings.warn(msg, UserWarning, stacklevel=2)
-    shape, _, lines = min(inside or fitted, key=lambda found: found[1])
-    return shape, lines
+    shape, _ = min(inside or fitted, key=lambda found: found[1])
+    return shape
 
 
 def _is_inside(shape):
@@ -230,18 +219,18 @@ def prepare_line(groups, group):
     )
 
 
-def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
+def _fit_shapes(start, lines, n_rounds=MOST_ROUNDS):
     """Fit shapes by kind of layer (kind, 3) from a start; returns them and their loss."""
     shape = start
     slopes_of = {}
 
     def residuals(unknown):
-        parts = [separate(unknown.reshape(-1, 3)[kind], kind, line) for line in lines]
+        parts = [separate(unknown.reshape(-1, 3), line) for line in lines]
         departure = (unknown - start.ravel()) / prior
         slopes_of["last"] = np.concatenate([part[1].T for part in parts] + [np.diag(1 / prior)])
         return np.concatenate([part[0] for part in parts] + [departure])
 
-    deviation, loss = _weigh(shape[kind], lines)
+    deviation, loss = _weigh(shape, lines)
     for _ in shown(range(n_rounds), unit="round"):
         prior = np.tile(PRIOR_DEVIATION, len(start)) / deviation
         # Slopes are asked for after a step is taken, at the shapes of the last residuals.
@@ -256,7 +245,7 @@ def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
         )
         moved = np.abs(solution.x.reshape(-1, 3) - shape).max()
         shape = solution.x.reshape(-1, 3)
-        deviation, loss = _weigh(shape[kind], lines)
+        deviation, loss = _weigh(shape, lines)
         if moved < SETTLED:
             break
     return shape, loss
@@ -294,20 +283,19 @@ def _explained(shape, line):
     return powers, model
 
 
-def separate(shape, kind, line):
-    """Weighted residuals of a line (row,), and their slopes by the shapes of kinds (3 kind, row).
+def separate(shape, line):
+    """Weighted residuals of a line (row,), and their slopes by the shapes (kind, 3), (3 kind, row).
 
-    `shape` is (layer, 3) and `kind` gives the kind of each layer. Powers are eliminated from
-    residuals and slopes. Unpicked layers between picks help to explain the line; since their rows
-    are guessed, they do not constrain a shape.
+    Powers are eliminated from residuals and slopes. Unpicked layers between picks help to explain
+    the line; since their rows are guessed, they do not constrain a shape.
     """
     columns = waveform_columns(shape, line)
     linear = np.concatenate([columns[0], line.background])
     powers, factor = solve_powers(linear, line)
     residual = (line.signal - powers @ linear) / line.scale
-    slopes = np.zeros((kind.max() + 1, 3, line.rows.size))
+    slopes = np.zeros((*shape.shape, line.rows.size))
     for i in np.flatnonzero(line.picked):
-        slopes[kind[line.layers[i]]] -= powers[i] * columns[1:, i] / line.scale
+        slopes[line.kind[i]] -= powers[i] * columns[1:, i] / line.scale
     slopes = slopes.reshape(-1, line.rows.size)
     linear = linear / line.scale
     return residual, slopes - dpotrs(factor, linear @ slopes.T)[0].T @ linear
@@ -329,7 +317,7 @@ def solve_powers(columns, line):
 
 
 def waveform_columns(shape, line, *, with_slopes=True):
-    """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
+    """Waveforms of a line for shapes (kind, 3), and their slopes by these, (4, layer, row).
 
     A waveform w is that of eq. (1), divided by the square root of its variance d, which includes
     the spread of its part. With the Gaussian g and the decay rate a, ``dw/dx = g - a w`` and
@@ -337,7 +325,7 @@ def waveform_columns(shape, line, *, with_slopes=True):
     A shape holds the place of the waveform's peak, where w' = 0, which moves with a and d. If it
     held the place of the Gaussian, the loss would have a curved valley.
     """
-    log_decay, log_variance, offset = shape[line.layers].T
+    log_decay, log_variance, offset = shape[line.kind].T
     decay, variance = np.exp(log_decay), np.exp(log_variance)
     peak, _ = waveform_peak(variance, decay)
     lag = line.rows - (line.position.T + offset - peak)[:, :, None]
@@ -363,58 +351,3 @@ def waveform_columns(shape, line, *, with_slopes=True):
     by_variance = variance * bend / 2 + along * peak_by_variance
     columns[1:, reached] = [by_decay, by_variance, -along] / np.sqrt(wide)
     return columns.mean(axis=1)
-
-
-def departing(shape, kind, lines):
-    """Buried layers whose residuals favour a shape of their own, bool (layer,).
-
-    A layer gains ``s' B^-1 s`` by its own shape. Its score s, at the shared shape, is a sum over
-    lines. The variance B of the score is the sum of squares of the lines' scores, and a part due to
-    unpicked echoes that last along track, see `_lasting`. With n lines the Bayesian information
-    criterion requires a gain of 3 log(n).
-    """
-    every = np.arange(kind.size)
-    scores = np.zeros((len(lines), kind.size, 3))
-    hessian = np.zeros((kind.size, 3, 3))
-    profiles = [[] for _ in every]
-    for score, line in zip(scores, lines, strict=True):
-        residual, slopes = separate(shape[kind], every, line)
-        slopes = slopes.reshape(-1, 3, line.rows.size)
-        score[:] = slopes @ residual
-        hessian += slopes @ slopes.swapaxes(1, 2)
-        for i in np.flatnonzero(line.picked):
-            layer = line.layers[i]
-            near = np.isin(line.rows, np.rint(line.position[i].mean()) + MISFIT_LAGS)
-            if near.sum() == MISFIT_LAGS.size:
-                profiles[layer].append(np.vstack([residual[near], slopes[layer][:, near]]))
-    log_decay, log_variance, _ = shape[-1]
-    width = waveform_width(np.exp(log_variance), np.exp(log_decay))
-    n_lines = scores.any(axis=2).sum(axis=0)
-    variance = np.einsum("lki,lkj->kij", scores, scores)
-    variance += (n_lines * _lasting(profiles) * width)[:, None, None] * hessian
-    score = scores.sum(axis=0)[:, :, None]
-    gain = (score * (np.linalg.pinv(variance) @ score)).sum(axis=(1, 2))
-    return (kind == 1) & (gain > 3 * np.log(np.maximum(n_lines, 2)))
-
-
-def _lasting(profiles):
-    """Variance in a row of misfit that lasts along track, in the lines' scale.
-
-    `profiles` holds, for each layer, the residuals and slopes (4, lag) of its lines at
-    `MISFIT_LAGS`. The mean residual of a layer is fitted by its slopes and a constant, which
-    one-sided weights leave. The variance that remains, less that of chance, is lasting misfit.
-    Returned is the median over layers less its uncertainty, at least 0.
-    """
-    left, chance = [0.0], [0.0]
-    n_free = MISFIT_LAGS.size - 4
-    for profile in map(np.array, profiles):
-        if len(profile) < MISFIT_LINES:
-            continue
-        residual, *slopes = profile.mean(axis=0)
-        basis = np.linalg.qr(np.transpose([*slopes, np.ones(MISFIT_LAGS.size)]))[0]
-        beyond = residual - basis @ (basis.T @ residual)
-        chance.append(profile[:, 0].var(axis=0, ddof=1).mean() / len(profile))
-        left.append((beyond**2).sum() / n_free - chance[-1])
-    # Two standard deviations of the mean over layers.
-    uncertain = 2 * np.mean(chance) * np.sqrt(2 / n_free / len(left))
-    return max(np.median(left) - uncertain, 0.0)

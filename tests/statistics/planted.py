@@ -85,3 +85,9 @@ class Planted:
             seen = rng.gamma(n_looks, power / n_looks)
             frames.append(made_up_frame(seen, layer_bins, minute=index))
         return frames
+
+
+class Alike(Planted):
+    """The same scene with one decay rate for all buried layers, as the fit has it."""
+
+    decay_rate = np.array([0.09, 0.06, 0.06, 0.06, 0.06])

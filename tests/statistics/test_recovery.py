@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
-from planted import peak_of, width_of
+from planted import Alike, peak_of, width_of
 
 from snowsim import statistics
 
@@ -11,7 +11,8 @@ BOUNDS = {"peak_power": 0.03, "decay_rate": 0.05, "variance_bins2": 0.2, "noise_
 
 @pytest.mark.parametrize("align", ["peak", "gaussian"])
 @pytest.mark.parametrize(("n_looks", "n_frames"), [(100, 4), (5, 16)])
-def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_frames):
+def test_deblended_recovers_what_was_planted(rng, align, n_looks, n_frames):
+    planted = Alike()
     fitted = statistics.fit(planted.flight(rng, n_frames=n_frames, n_looks=n_looks, align=align))
     # Sampling errors here are 0.3 to 1 % for powers and rates, 3 % for variances, 0.2 % for the
     # noise: within a third.
@@ -21,6 +22,15 @@ def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_fra
     offset = [row for row, _ in planted.of_each(peak_of)]
     assert_allclose(fitted["offset_bins"], offset if align == "gaussian" else 0, atol=0.4)
     assert (fitted["substituted"] == 0).all()
+
+
+def test_layers_that_decay_unlike_each_other_share_a_rate_between_theirs(planted, rng):
+    fitted = statistics.fit(planted.flight(rng))
+    # Planted from .05 to .07. Powers, known to 1 %, take up what the shared rate leaves: 4 % of the
+    # deepest.
+    assert (np.abs(fitted["decay_rate"][1:] - 0.06) < 0.01).all()
+    assert_allclose(fitted["decay_rate"][0], 0.09, rtol=0.05)
+    assert_allclose(fitted["peak_power"], planted.peak_power, rtol=0.06)
 
 
 def test_paper_recipe_without_speckle_gives_the_published_bias(planted):

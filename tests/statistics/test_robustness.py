@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
+from planted import Alike
 
 from evaluation.lib.atlas_statistics import is_finite
 from snowsim import statistics
@@ -119,7 +120,8 @@ def test_a_frame_without_surface_adds_nothing(flight):
     assert_allclose(fitted["noise_power"], without["noise_power"], rtol=1e-12)
 
 
-def test_level_layers_without_speckle_are_one_zone_and_have_the_most_looks(planted, estimator):
+def test_level_layers_without_speckle_are_one_zone_and_have_the_most_looks(estimator):
+    planted = Alike()
     fitted = fit_finite([made_up_frame(*planted.level(), minute=i) for i in range(5)], estimator)
     # Travel times pass through datasets and depths through float32: 1e-4 bins.
     assert_allclose(fitted["thickness_mean_bins"], 44, atol=1e-3)
