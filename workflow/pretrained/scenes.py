@@ -1,6 +1,7 @@
-"""What the shipped tracker is trained on: scenes of many climates and radars."""
+"""What the shipped tracker is trained on: scenes of many climates and radars, and of clean firn."""
 
 import dataclasses
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,9 +9,11 @@ from lib.phy_renders import render_by_phy
 from pretrained.clutter import Clutter, bands, with_crusts
 from pretrained.resizing import in_bins
 from snowsim.echoes import Kind
+from snowsim.echogram import Scene, to_uint8
 from snowsim.labels import draw_scene, prepare
 from snowsim.phy import mean_power
 from snowsim.seeding import random_stream
+from snowsim.snowpack import Climate, Radar, simulate
 from snowsim.statistics import Variation, changed, varied
 
 # One in so many variants is the flight itself.
@@ -18,6 +21,92 @@ EVERY = 5
 # Mean power of a layer, over all other power at its place, from which it is labelled [dB]: the
 # layer then raises it by .5 dB. On tuning flights this is better than -6 dB.
 SEEN_DB = -9.0
+
+
+@dataclass(frozen=True)
+class FirnRanges:
+    """Within which climates and radars of clean firn are drawn, (least, most).
+
+    Attributes
+    ----------
+    accumulation_m : (float, float)
+        Annual mean [m w.e. / yr], log-uniform.
+    variability : (float, float)
+        Of its logarithm from year to year.
+    bandwidth_hz : (float, float)
+        Of the radar `snow-2012` otherwise [Hz], log-uniform.
+    surface_to_noise_db : (float, float)
+        Peak of the mean surface echo over the noise [dB].
+    n_looks : (float, float)
+        Looks, log-uniform.
+    """
+
+    accumulation_m: tuple = (0.1, 0.9)
+    variability: tuple = (0.1, 0.4)
+    bandwidth_hz: tuple = (2.5e9, 5.15e9)
+    surface_to_noise_db: tuple = (18.0, 45.0)
+    n_looks: tuple = (4.0, 40.0)
+
+    def draw(self, *, rng, **radar):
+        """A `Climate`, and a `Radar` with what is given of it."""
+        accumulation_m = _log_uniform(self.accumulation_m, rng=rng)
+        climate = Climate(accumulation_m=accumulation_m, variability=rng.uniform(*self.variability))
+        drawn = {
+            "bandwidth_hz": _log_uniform(self.bandwidth_hz, rng=rng),
+            "surface_to_noise_db": rng.uniform(*self.surface_to_noise_db),
+            "n_looks": _log_uniform(self.n_looks, rng=rng),
+        }
+        return climate, Radar.preset("snow-2012", **radar, **drawn)
+
+
+def _log_uniform(limits, *, rng):
+    return float(np.exp(rng.uniform(*np.log(limits))))
+
+
+def training_scenes(flight, variants, n_scenes, *, n_varied, n_range_lines, phy, seed):
+    """`n_scenes` scenes of each of some variants, which are numbers.
+
+    From `n_varied` on they are clean firn, before that `varied_scenes` of a flight's statistics.
+    """
+    numbers = {"varied": [], "firn": []}
+    for variant in variants:
+        numbers["varied" if variant < n_varied else "firn"].append(variant)
+    common = {"n_range_lines": n_range_lines, "seed": seed}
+    yield from varied_scenes(flight, numbers["varied"], n_scenes, phy=phy, **common)
+    yield from firn_scenes(flight, numbers["firn"], n_scenes, **common)
+
+
+def firn_scenes(flight, variants, n_scenes, *, n_range_lines, seed):
+    """Scenes of clean firn, each with a climate and a radar of its own, see `FirnRanges`.
+
+    Range bins and the distance of range lines are those of a flight's statistics.
+    """
+    radar = {"bin_s": flight.attrs["bin_size_s"], "line_spacing_m": flight.attrs["line_spacing_m"]}
+    for variant in variants:
+        for number in range(n_scenes):
+            name = f"variant_{variant:03d}_{number:03d}"
+            rng = random_stream(seed, "firn_scenes", name)
+            drawn = FirnRanges().draw(rng=rng, **radar)
+            yield firn_scene(name, *drawn, n_range_lines=n_range_lines, rng=rng)
+
+
+def firn_scene(name, climate, radar, *, n_range_lines, rng):
+    """What a radar sees of annual layers and nothing else, with the layers that can be seen."""
+    echogram, layers = simulate(climate, radar, n_range_lines=n_range_lines, rng=rng)
+    power = echogram["Data"].values
+    layer_bins = (layers["peak_twtt"].values - float(echogram["twtt"][0])) / radar.bin_s
+    own = 10 ** (layers["power_db"].values / 10)
+    # Speckle of all range lines: the mean is known to 3 % at four looks.
+    seen = stands_out(own, at_layers(power, layer_bins) - own)
+    image, noise_floor_db, maximum_db = to_uint8(power)
+    return Scene(
+        name=name,
+        n_range_bins=len(image),
+        layer_bins=np.where(seen[:, None], layer_bins, np.nan),
+        image=image,
+        noise_floor_db=noise_floor_db,
+        maximum_db=maximum_db,
+    )
 
 
 def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
@@ -76,13 +165,26 @@ def labelled(scene):
     echoes = scene.echoes
     shapes = (echoes.power, echoes.variance_bins2, echoes.decay_rate)
     power = mean_power(echoes.bins, *shapes, scene.n_range_bins) + echoes.noise_power
-    row = np.rint(scene.layer_bins).astype(int)
     own = echoes.power[echoes.kind == Kind.LAYER]
-    others = power[row, np.arange(row.shape[1])] - own
-    seen = own.mean(axis=1) >= 10 ** (SEEN_DB / 10) * others.mean(axis=1)
-    seen[0] = True  # the surface
+    seen = stands_out(own, at_layers(power, scene.layer_bins) - own)
     layer_bins = np.where(seen[:, None], scene.layer_bins, np.nan)
     return dataclasses.replace(scene, layer_bins=layer_bins)
+
+
+def at_layers(power, layer_bins):
+    """Power (range_bin, range_line) at layers, of their shape (layer, range_line)."""
+    row = np.rint(layer_bins).astype(int)
+    return power[row, np.arange(row.shape[1])]
+
+
+def stands_out(own, others):
+    """Whether layers stand above all else by their mean power, (layer,); the surface does.
+
+    `own` and `others` are the power of each and that of all else at its place, (layer, range_line).
+    """
+    seen = own.mean(axis=1) >= 10 ** (SEEN_DB / 10) * others.mean(axis=1)
+    seen[0] = True
+    return seen
 
 
 def clutter_of(statistics):

@@ -16,6 +16,11 @@ def variants_of(shard, per_shard, n_variants):
     return first, min(first + per_shard, n_variants)
 
 
+def n_varied(pretrained):
+    """Variants of the flight's statistics; those after them are clean firn."""
+    return round(pretrained["n_variants"] * (1 - pretrained["firn_share"]))
+
+
 def reference_of(flight, reference):
     """Settings of the reference flight as another flight has them."""
     changed = copy.deepcopy(dict(reference))

@@ -40,11 +40,12 @@ rule draw_varied:
         variants=lambda w: transfer.variants_of(
             int(w.shard), VARIANTS_PER_SHARD, PRETRAINED["n_variants"]
         ),
+        n_varied=transfer.n_varied(PRETRAINED),
         n_scenes=PRETRAINED["n_scenes"],
         n_range_lines=config["labels"]["n_range_lines"],
         phy=config["phy"],
     message:
-        "scenes of other climates and radars, shard {wildcards.shard}"
+        "scenes of other climates and radars and of clean firn, shard {wildcards.shard}"
     script:
         "../scripts/draw_varied.py"
 
