@@ -1,11 +1,11 @@
-"""The data model: echogram and layer datasets, scenes, their one check, and 8-bit scaling."""
+"""The data model: echogram and layer datasets, scenes, echoes, their checks, 8-bit scaling."""
 
 from dataclasses import dataclass, field
+from enum import IntEnum
 
 import numpy as np
 
 from snowsim.constants import EARTH_RADIUS_M
-from snowsim.echoes import Echoes
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
@@ -14,6 +14,64 @@ DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
 DEGREES = {"Latitude": 90, "Longitude": 360}
+
+
+class Kind(IntEnum):
+    """What an echo comes from."""
+
+    LAYER = 0  # labelled
+    BACKGROUND = 1  # snow between layers: no layer, an exponential that starts at the surface
+    BELOW = 2  # an echo below the last layer, in no label
+
+
+@dataclass(frozen=True, eq=False)
+class Echoes:
+    """Echoes of a scene from the surface down, each a term of eq. (1), and how radar sees them.
+
+    Attributes
+    ----------
+    bins : ndarray, (row, range_line)
+        Where each echo's waveform peaks [range bins]; NaN where it is absent.
+    power : ndarray, (row, range_line)
+        Its linear power there.
+    variance_bins2, decay_rate : ndarray, (row,)
+        Of its waveform [bins^2, per bin].
+    kind : ndarray of int8, (row,)
+        One of `Kind`.
+    noise_power : float
+        Linear.
+    n_looks : float
+        Independent looks averaged in a pixel.
+    speckle_correlation : ndarray, (lag,), or None
+        Autocorrelation of speckle down range; None where range bins are independent.
+    line_gain_spread_db : float
+        Standard deviation of gain from range line to range line [dB].
+    decay_factor : float
+        By how much decay in this scene differs from the flight's; `decay_rate` includes it.
+    """
+
+    bins: np.ndarray
+    power: np.ndarray
+    variance_bins2: np.ndarray
+    decay_rate: np.ndarray
+    kind: np.ndarray
+    noise_power: float
+    n_looks: float
+    speckle_correlation: np.ndarray | None = None
+    line_gain_spread_db: float = 0.0
+    decay_factor: float = 1.0
+
+    def parameters(self):
+        """The same as `parameters` of `snowsim.phy.render`."""
+        return {
+            "peak_power": self.power,
+            "variance_bins2": self.variance_bins2,
+            "decay_rate": self.decay_rate,
+            "noise_power": self.noise_power,
+            "n_looks": self.n_looks,
+            "speckle_correlation": self.speckle_correlation,
+            "line_gain_spread_db": self.line_gain_spread_db,
+        }
 
 
 @dataclass
@@ -34,7 +92,7 @@ class Scene:
     complete_layer_bins : ndarray, (layer, range_line), or None
         Every layer there is, in order, where `layer_bins` holds only what a picker found; may have
         more rows.
-    echoes : snowsim.echoes.Echoes, or None
+    echoes : Echoes, or None
         What PHY renders, where it was drawn with the layers.
     zone : int
         Accumulation zone, -1 where unknown.

@@ -7,7 +7,7 @@ import formats
 import numpy as np
 from onnx import TensorProto, helper, numpy_helper
 
-from snowsim.frames.blocks import placeholder_frame
+from lib.placeholder_frames import placeholder_frame
 
 BIN_S = 2.886e-10
 SPACING_M = 5.2

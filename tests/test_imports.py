@@ -10,12 +10,10 @@ from processes import run_in
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {
     "constants",
-    "echoes",
     "echogram",
     "limits",
     "patches",
     "progress",
-    "rounding",
     "seeding",
     "settings",
     "training",

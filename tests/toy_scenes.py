@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import expit
 
-from snowsim.echoes import Echoes, Kind
-from snowsim.echogram import Scene
+from snowsim.echogram import Echoes, Kind, Scene
 
 
 def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):

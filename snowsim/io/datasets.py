@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
-from snowsim.frames.flatten import shifted
+from snowsim.frames import shifted
 from snowsim.io.containers import read_netcdf
 from snowsim.io.guard import MAXIMUM_BYTES, Refused, library_errors, refusal
 

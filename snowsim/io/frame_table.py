@@ -10,7 +10,7 @@ import pandas as pd
 
 from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
-from snowsim.frames.blocks import FLAGGED
+from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among

@@ -6,8 +6,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from snowsim.echoes import Echoes, Kind
-from snowsim.echogram import Scene
+from snowsim.echogram import Echoes, Kind, Scene
 from snowsim.io.containers import check_heaps
 from snowsim.io.files import written_whole
 from snowsim.io.guard import Refused, library_errors
@@ -30,7 +29,7 @@ SCENE = {
 }
 # What is written after the other numbers of a scene: files repeat to the byte.
 LAST = ("n_complete_layers", "image", "layer_bins", "complete_layer_bins")
-# The group of a scene's echoes, and what it holds of `snowsim.echoes.Echoes`.
+# The group of a scene's echoes, and what it holds of `snowsim.echogram.Echoes`.
 GROUP = "echoes"
 ECHOES = {
     "n_rows": ("i4", "scene", None),

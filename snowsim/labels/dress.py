@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from snowsim.echoes import Echoes, Kind
+from snowsim.echogram import Echoes, Kind
 from snowsim.labels.flight_values import of_uppermost, radar_of, values_of
 from snowsim.limits import check_statistics, check_values
 

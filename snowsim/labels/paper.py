@@ -3,8 +3,7 @@
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.echoes import Echoes, Kind
-from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
+from snowsim.echogram import SURFACE_ROW, Echoes, Kind, Scene, scene_height, zone_of
 from snowsim.labels.flight_values import of_uppermost, values_of
 from snowsim.labels.scene import notes_of
 from snowsim.labels.undulations import layers_below, mirrored

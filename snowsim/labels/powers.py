@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from snowsim.echoes import Kind
-from snowsim.echogram import ROWS_BELOW_LAST_LAYER
+from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Kind
 from snowsim.labels.dress import background_below, dress
 from snowsim.labels.flight_values import values_of
 from snowsim.labels.undulations import draw_stationary, lags_on_circle

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_layers, crossing_layers
-from snowsim.frames.flatten import FLAGGED_BY, flagged_lines
+from snowsim.frames import FLAGGED_BY, flagged_lines
 from snowsim.picking.confidence import half_width_rows
 
 GOOD, MODERATE, BAD = 1, 2, 3

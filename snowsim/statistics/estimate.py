@@ -6,7 +6,7 @@ import xarray as xr
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
 from snowsim.echogram import check_choice
 from snowsim.limits import check_count
-from snowsim.rounding import rounded
+from snowsim.seeding import rounded
 from snowsim.statistics.deblend import Groups
 from snowsim.statistics.moments import SHARED_BITS, known_mean
 from snowsim.statistics.paper import measure_groups, paper_waveform

@@ -9,7 +9,7 @@ from scipy.special import betaincinv
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
-from snowsim.rounding import rounded
+from snowsim.seeding import rounded
 from snowsim.statistics.moments import TO_THE_LAST_DIGITS, decibels, known_mean
 from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, numbered
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from snowsim.frames.blocks import placeholder_frame
+from lib.placeholder_frames import placeholder_frame
 
 BIN_S = 2.886e-10
 FIRST_TWTT_S = 3e-6

@@ -2,6 +2,7 @@ import numpy as np
 from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
+from lib.placeholder_frames import frame_of_scene
 from snowsim.echogram import (
     Scene,
     along_track_m,
@@ -10,7 +11,7 @@ from snowsim.echogram import (
     layer_bins_of,
     to_uint8,
 )
-from snowsim.frames import cut_blocks, frame_of_scene
+from snowsim.frames import cut_blocks
 
 
 def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=(0, 30, 90)):

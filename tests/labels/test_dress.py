@@ -6,7 +6,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import STATISTICS_CONTENT
-from snowsim.echoes import Kind
+from snowsim.echogram import Kind
 from snowsim.labels import dress
 from snowsim.phy import mean_power
 

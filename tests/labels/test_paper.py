@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
-from snowsim.echoes import Kind
+from snowsim.echogram import Kind
 from snowsim.front import scenes
 from snowsim.labels import draw_paper_scene, dress, prepare
 

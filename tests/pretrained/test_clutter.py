@@ -4,7 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
 from pretrained.clutter import Clutter, bands, with_crusts
-from snowsim.echoes import Echoes, Kind
+from snowsim.echogram import Echoes, Kind
 
 N_LINES = 400
 

@@ -10,8 +10,7 @@ from runs import CONFIG
 from pretrained.card import scores_for_card
 from pretrained.resizing import in_bins
 from pretrained.scenes import firn_scene, labelled, on_lines, training_scenes
-from snowsim.echoes import Kind
-from snowsim.echogram import Scene
+from snowsim.echogram import Kind, Scene
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.labels import draw_scene

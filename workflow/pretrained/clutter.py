@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from snowsim.echoes import Kind
+from snowsim.echogram import Kind
 
 # A crust lies so far down its slab, as a share of it; thinner slabs have none.
 WITHIN_SLAB = (0.15, 0.85)

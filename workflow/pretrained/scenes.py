@@ -8,8 +8,7 @@ import numpy as np
 from lib.phy_renders import render_by_phy
 from pretrained.clutter import Clutter, bands, with_crusts
 from pretrained.resizing import in_bins
-from snowsim.echoes import Kind
-from snowsim.echogram import Scene, to_uint8
+from snowsim.echogram import Kind, Scene, to_uint8
 from snowsim.labels import draw_scene, prepare
 from snowsim.phy import mean_power
 from snowsim.seeding import random_stream

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from snowsim.echogram import crossing_layers
-from snowsim.rounding import on_grid
+from snowsim.seeding import on_grid
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above, among which its valley is sought
 REACH_BINS = 4  # distance from a layer within which the picker looks for its peak

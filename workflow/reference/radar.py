@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter, upfirdn
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.rounding import rounded
+from snowsim.seeding import rounded
 
 # Half-length of the tabulated range response in 1 / bandwidth; side lobes beyond are below -50 dB.
 RESPONSE_WIDTH = 4

@@ -2,7 +2,7 @@
 
 from job import job, progress
 
-from snowsim.frames import frame_of_scene
+from lib.placeholder_frames import frame_of_scene
 from snowsim.io.files import write_dataset
 from snowsim.io.scenes import SceneSet
 from snowsim.statistics import merge, summarise

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from lib.placeholder_frames import placeholder_frame
 from snowsim.constants import EARTH_RADIUS_M
-from snowsim.frames.blocks import placeholder_frame
 from snowsim.phy import mean_power
 from snowsim.phy.waveform import waveform_width
 from snowsim.statistics.estimate import ESTIMATORS, estimate

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from lib.phy_renders import is_printed
-from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
+from lib.placeholder_frames import METRES_PER_DEGREE, placeholder_frame
 from snowsim.labels import redress
 from snowsim.phy import render
 from snowsim.statistics import estimate, merge, summarise

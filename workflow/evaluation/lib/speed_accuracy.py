@@ -19,8 +19,7 @@ from evaluation.lib.literal_phy import (
 from evaluation.lib.machine import device_name, time_rounds
 from snowsim.cgan import Settings, networks_of
 from snowsim.cgan import render as render_cgan
-from snowsim.echoes import Echoes, Kind
-from snowsim.echogram import Scene, to_uint8
+from snowsim.echogram import Echoes, Kind, Scene, to_uint8
 from snowsim.phy import draw_speckle, render
 from snowsim.phy.power import (
     NODES_PER_BIN,

@@ -1,15 +1,25 @@
-"""Frames made comparable.
+"""Observed frames made comparable, and cut into scenes.
 
-Layers on the lines of an echogram, flagged lines out, level, one bin size.
+Layers on the lines of the echogram, flagged lines out, one bin size, level, blocks of 256.
 """
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import bin_size_s, check_choice, layer_bins_of
+from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
+from snowsim.echogram import (
+    SURFACE_ROW,
+    Scene,
+    bin_size_s,
+    check_choice,
+    layer_bins_of,
+    scene_height,
+    to_uint8,
+)
 
+OVERLAP_LINES = 6  # of blocks
+FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
 REACH = 1.5  # of a line of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
@@ -242,3 +252,74 @@ def count_flagged(echogram):
         return n_flagged, ""
     counts = {name: int(lines.sum()) for name, lines in held.items()}
     return n_flagged, "; ".join(f"{name} {n}" for name, n in counts.items() if n) or "none"
+
+
+def cut_blocks(echogram, layers, *, name):
+    """Cut a level frame into scenes as the published benchmark does.
+
+    Blocks have 256 lines and overlap by 6; lines left over at the end are not used. A scene is a
+    cropped block: the surface, layer 0, lies in its row 50, it ends 100 rows below its last layer
+    and has at least 300 rows. Each scene is scaled to 8 bits by itself and called
+    ``{name}_{block:03d}``; its `notes` hold `first_line`, `first_twtt_s` and `bin_size_s`. Layers
+    without a pick in a block are left out of its scene.
+
+    An image has no room for gaps. A block is therefore skipped if it has a line `flagged` by
+    `leave_out_flagged`, no pick of the surface, missing pixels, or rows outside the frame. Returns
+    the list of scenes, and a dict of the reason for each skipped block by its name.
+    """
+    layer_bins = layer_bins_of(layers, echogram)
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    flagged = np.zeros(power.shape[1], dtype=bool)
+    if "flagged" in echogram:
+        flagged = echogram["flagged"].values
+    first_s = float(echogram["twtt"].values[0])
+    bin_s = bin_size_s(echogram)
+    scenes = []
+    skipped = {}
+    starts = range(0, power.shape[1] - BLOCK_LINES + 1, BLOCK_LINES - OVERLAP_LINES)
+    for block, start in enumerate(starts):
+        lines = slice(start, start + BLOCK_LINES)
+        scene_name = f"{name}_{block:03d}"
+        bins = layer_bins[:, lines]
+        reason = _why_no_scene(power[:, lines], bins, flagged[lines])
+        if reason:
+            skipped[scene_name] = reason
+            continue
+        top, bottom = _rows(bins)
+        image, noise_floor_db, maximum_db = to_uint8(power[top:bottom, lines])
+        scene = Scene(
+            scene_name,
+            bottom - top,
+            _picked(bins) - top,
+            image=image,
+            noise_floor_db=noise_floor_db,
+            maximum_db=maximum_db,
+            notes={"first_line": start, "first_twtt_s": first_s + top * bin_s, "bin_size_s": bin_s},
+        )
+        scenes.append(scene)
+    return scenes, skipped
+
+
+def _why_no_scene(power, bins, flagged):
+    """Why a block is no scene, in words, or None."""
+    if flagged.any():
+        return f"{int(flagged.sum())} of {flagged.size} {FLAGGED}"
+    if not np.isfinite(bins[0]).any():
+        return "the surface is not picked"
+    top, bottom = _rows(bins)
+    if top < 0 or bottom > power.shape[0]:
+        return f"rows {top} to {bottom} wanted of {power.shape[0]}"
+    cropped = power[top:bottom]
+    n_missing = int((~((cropped > 0) & np.isfinite(cropped))).sum())
+    return f"{n_missing} pixels without a measurement" if n_missing else None
+
+
+def _rows(bins):
+    """First row of a block's scene, 50 rows above the surface, and the row after its last."""
+    top = int(np.floor(np.nanmedian(bins[0]) + 0.5)) - SURFACE_ROW
+    return top, top + scene_height(_picked(bins) - top)
+
+
+def _picked(bins):
+    """Layers with a pick."""
+    return bins[np.isfinite(bins).any(axis=1)]
