@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 from skimage.morphology import thin as thin_of_skimage
 
 from snowsim.echogram import layer_mask
-from snowsim.io.images import write_image
+from snowsim.io.pairs import write_image
 from snowsim.metrics.edges import THRESHOLDS, match_counts, suppress
 from snowsim.scoring import score_folders
 from snowsim.seeding import random_stream

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from reference import checked_settings, draw_climate, draw_frame
-from snowsim.io.trackers import read_tracker, shipped_trackers
+from snowsim.io.models import read_tracker, shipped_trackers
 from snowsim.picking import canonical, checked_card, evidence_of, layers_of_frames
 from snowsim.picking.network import network
 from snowsim.seeding import random_stream

@@ -63,8 +63,8 @@ def export(sources, folder, layers, netcdf, force):
       snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
       snowsim export my_scenes/ as_netcdf/ --netcdf
     """  # noqa: D205, D301
-    from snowsim.io.export import check_empty, export_netcdf, export_pairs
-    from snowsim.io.frame_table import read_frame, scenes_of_frame
+    from snowsim.io.frames import read_frame, scenes_of_frame
+    from snowsim.io.pairs import check_empty, export_netcdf, export_pairs
     from snowsim.progress import shown
 
     if not force:
@@ -86,10 +86,10 @@ def export(sources, folder, layers, netcdf, force):
 
 def scene_set(source):
     """Scenes of a file or of a folder of image pairs; an echogram needs its layers."""
-    from snowsim.io.guard import is_zarr
-    from snowsim.io.png_pairs import PairSet
+    from snowsim.io.containers import ECHOGRAMS, in_words, sniff
+    from snowsim.io.files import is_zarr
+    from snowsim.io.pairs import PairSet
     from snowsim.io.scenes import SceneSet
-    from snowsim.io.sniff import ECHOGRAMS, in_words, sniff
 
     kind = "pairs" if source.is_dir() and not is_zarr(source) else sniff(source)
     if kind in ECHOGRAMS:
@@ -549,7 +549,7 @@ def main(arguments=None):
         error.show()
         sys.exit(2)
     except (click.ClickException, click.Abort, ValueError, OSError, MemoryError) as error:
-        from snowsim.io.guard import one_line
+        from snowsim.io.files import one_line
 
         message = error
         code = 1

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice, to_uint8
-from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
+from snowsim.io.pairs import check_empty, export_netcdf, export_pairs, export_zarr
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render_scene
@@ -98,7 +98,7 @@ class Scenes(Sequence):
         return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
 
     def write(self, folder, format="pairs", *, indices=None, force=False):
-        """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
+        """Write all, or those of `indices`, to a folder, by `snowsim.io.pairs`; gives its counts.
 
         `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
         another. A folder that is not empty is refused, unless by `force`: then files of the same

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from snowsim.io.trackers import read_tracker, shipped_trackers, write_tracker
+from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import layer_mask
-from snowsim.io.guard import listed, refusal
+from snowsim.io.files import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
 from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import (

@@ -17,9 +17,8 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import echogram, read_echogram
-from snowsim.io.guard import is_png, refusal
-from snowsim.io.images import read_image
-from snowsim.io.layer_files import (
+from snowsim.io.files import is_png, refusal
+from snowsim.io.layers import (
     layer_numbers,
     named_frame,
     refuse_existing,
@@ -27,8 +26,9 @@ from snowsim.io.layer_files import (
     write_layer_files,
     write_layers,
 )
+from snowsim.io.models import read_tracker, shipped_trackers
+from snowsim.io.pairs import read_image
 from snowsim.io.pictures import write_picture
-from snowsim.io.trackers import read_tracker, shipped_trackers
 from snowsim.picking import (
     canonical,
     checked_card,
@@ -184,7 +184,7 @@ def track_files(
     """Track echograms and write their layers to a folder.
 
     Frames of a segment that follow one another are tracked as one. For each, `NAME_layers.nc`; for
-    each segment the layer files of `snowsim.io.layer_files`; of an image, rows in `NAME_layers.nc`
+    each segment the layer files of `snowsim.io.layers`; of an image, rows in `NAME_layers.nc`
     alone.
 
     Parameters

@@ -14,13 +14,11 @@ from toy_scenes import toy_scenes
 import snowsim
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
-from snowsim.io.export import export_netcdf
+from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import write_dataset
-from snowsim.io.images import write_image
-from snowsim.io.png_pairs import PairSet
+from snowsim.io.models import read_tracker
+from snowsim.io.pairs import PairSet, export_netcdf, write_image
 from snowsim.io.scenes import write_scenes
-from snowsim.io.sniff import SUPPLEMENT_FLAGS
-from snowsim.io.trackers import read_tracker
 
 RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
 TRUTH = np.zeros((50, 20), dtype=bool)

@@ -16,7 +16,7 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
-from snowsim.io.png_pairs import PairSet
+from snowsim.io.pairs import PairSet
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 

@@ -3,7 +3,7 @@
 import pytest
 from toy_scenes import toy_scenes
 
-from snowsim.io.trackers import read_tracker
+from snowsim.io.models import read_tracker
 from snowsim.learning import network_of_tracker, train_tracker
 from snowsim.tracker.portable import network_of_onnx
 

@@ -16,9 +16,8 @@ from scipy.ndimage import binary_dilation
 from snowsim import score_folders
 from snowsim.cli import main
 from snowsim.echogram import layer_mask
-from snowsim.io.export import layer_numbers
-from snowsim.io.images import write_image
-from snowsim.io.layer_files import write_layer_files
+from snowsim.io.layers import write_layer_files
+from snowsim.io.pairs import layer_numbers, write_image
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 
 WAVE = np.round(6 * np.sin(np.arange(64) / 12))

@@ -4,7 +4,7 @@ Readers are imported where they are called: every job imports this package, and 
 xarray take a second.
 """
 
-from snowsim.io.guard import library_errors, listed, refusal
+from snowsim.io.files import library_errors, listed, refusal
 
 
 def read_echogram(path, *, compensated=False):
@@ -43,15 +43,15 @@ def read_echogram(path, *, compensated=False):
     >>> echogram.sizes["slow_time"], echogram["twtt"].attrs["units"]
     (64, 's')
     """
-    from snowsim.io import cresis, datasets, nsidc, sniff
+    from snowsim.io import containers, echograms
 
     with library_errors(path):
-        kind = sniff.sniff(path, sniff.ECHOGRAMS)
+        kind = containers.sniff(path, containers.ECHOGRAMS)
         if kind == "nsidc":
-            return nsidc.read_nsidc(path, compensated=compensated)
+            return echograms.read_nsidc(path, compensated=compensated)
         if kind == "cresis":
-            return cresis.read_cresis(path, compensated=compensated)
-        return datasets.read_opr(path)
+            return echograms.read_cresis(path, compensated=compensated)
+        return echograms.read_opr(path)
 
 
 def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
@@ -92,7 +92,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     """
     import numpy as np
 
-    from snowsim.io.datasets import UNITS, echogram_dataset
+    from snowsim.io.echograms import UNITS, echogram_dataset
 
     where = "echogram"
     with library_errors(where, "data: expected an array (range_bin, range_line)"):
@@ -139,7 +139,7 @@ def read_layers(path, *, names=None, missing="refuse"):
     (('layer', 'slow_time'), 0)
     """
     from snowsim.echogram import check_choice
-    from snowsim.io import layers, sniff
+    from snowsim.io import containers, layers
 
     check_choice("missing", missing, ("refuse", "skip"))
     readers = {
@@ -149,7 +149,7 @@ def read_layers(path, *, names=None, missing="refuse"):
     }
     names = [names] if isinstance(names, str) else names
     with library_errors(path):
-        kind = sniff.sniff(path, readers)
+        kind = containers.sniff(path, readers)
         return layers.chosen(readers[kind](path), names, missing, path)
 
 

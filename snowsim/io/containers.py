@@ -1,17 +1,69 @@
-"""Variables of NetCDF, HDF5 and MAT files as their libraries read them, and nothing oversized."""
+"""Files opened once: their format by their content, and their variables."""
 
+import math
 import mmap
+import os
+import pickle
 import re
+import resource
 import struct
+import subprocess
+import sys
+import warnings
 from pathlib import Path
 
 import h5py
 import numpy as np
 import scipy.io
 import xarray as xr
+from numpy.exceptions import ComplexWarning
 
-from snowsim.io.guard import MAXIMUM_BYTES, Refused, library_errors
-from snowsim.io.mat5 import read_mat5
+from snowsim.io.files import MAXIMUM_BYTES, Refused, library_errors, listed, refusal
+
+MAT_HEADER_BYTES = 128
+COMPRESSED = 15  # type of a compressed element, in one of the four bytes behind the header
+NUMBER_BYTES = 4  # size of a number in most large variables
+SECONDS = 120  # limit of a child; no undamaged file takes as long
+
+
+def read_mat5(path, names):
+    """The named variables as a dict; arrays lose axes of length 1, structs become dicts."""
+    with Path(path).open("rb") as file:
+        if COMPRESSED in file.read(MAT_HEADER_BYTES + 4)[MAT_HEADER_BYTES:]:
+            return load(path, names)
+    command = [sys.executable, "-P", "-m", "snowsim.io.containers", str(path), *names]
+    paths = {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"}
+    child = subprocess.run(
+        command, capture_output=True, env=os.environ | paths, timeout=SECONDS, check=False
+    )
+    if child.returncode != 0:
+        said = child.stderr.decode(errors="replace").splitlines() or [child.returncode]
+        msg = f"expected a whole file, found one that ends its reader: {said[-1]}"
+        raise Refused(msg)
+    return pickle.loads(child.stdout)
+
+
+def load(path, names):
+    """The named variables as `read_mat5` gives them, read in this process."""
+    for name, shape, _ in scipy.io.whosmat(path, appendmat=False):
+        n_bytes = NUMBER_BYTES * math.prod(shape)
+        if name in names and n_bytes > MAXIMUM_BYTES:
+            msg = f"{name}: expected at most {MAXIMUM_BYTES} bytes, found {n_bytes} or more"
+            raise Refused(msg)
+    options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
+    with warnings.catch_warnings():
+        # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
+        warnings.simplefilter("error", ComplexWarning)
+        values = scipy.io.loadmat(path, variable_names=names, **options)
+    return {name: values[name] for name in names}
+
+
+if __name__ == "__main__":
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    room = 4 * MAXIMUM_BYTES if most == resource.RLIM_INFINITY else min(4 * MAXIMUM_BYTES, most)
+    resource.setrlimit(resource.RLIMIT_AS, (room, most))
+    pickle.dump(load(sys.argv[1], sys.argv[2:]), sys.stdout.buffer, protocol=5)
+
 
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
 # Specification, III.E.
@@ -123,3 +175,61 @@ def _plain(node, read):
     if node.dtype == h5py.ref_dtype:
         return [_plain(node.file[reference], read) for reference in values.ravel()]
     return "".join(map(chr, values.ravel())) if is_text else np.squeeze(values.T)
+
+
+SUPPLEMENT_FLAGS = (
+    "coh_noise_removal_artifact",
+    "deconvolution_artifact",
+    "vertical_stripes_artifact",
+    "missing_data",
+    "no_good_data",
+    "low_SNR",
+    "unclassified_artifact",
+    "land_ice",
+)
+POSITION = ("Latitude", "Longitude", "Elevation")
+# In words, and the variables that it needs. A file is what it has the largest share of; earlier
+# entries win a tie.
+FORMATS = {
+    "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
+    "cresis": ("a CReSIS L1B echogram", ("Data", "Time", *POSITION, "GPS_time")),
+    "cresis_layer": ("CReSIS layers", ("twtt", "id", "gps_time")),
+    "cresis_layer_data": ("old CReSIS layers", ("layerData", "GPS_time")),
+    "organizer": ("a CReSIS layer organizer", ("lyr_id", "lyr_name")),
+    "opr": ("an Open Polar Radar echogram", ("Data", "slow_time", "twtt", *POSITION)),
+    "opr_layers": ("Open Polar Radar layers", ("twtt", "slow_time", "quality", "type")),
+    "scenes": ("a set of scenes", ("layer_bins", "n_range_bins", "n_layers")),
+    "scene": ("an exported scene", ("layer_bins", "mask")),
+    "statistics": ("statistics of a flight", ("peak_power", "variance_bins2", "zone_edge_bins")),
+}
+ECHOGRAMS = ("nsidc", "cresis", "opr")
+LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
+# A file that lost half its variables is still called by its name, and what it lacks is named.
+SMALLEST_SHARE = 0.4
+
+
+def sniff(path, kinds=FORMATS):
+    """Format of a file, a key of `FORMATS`.
+
+    ValueError if it is none of these `kinds`, or lacks variables of the one that it is.
+    """
+    names = names_in(path)
+    if "UTC_time" in names:
+        names.add("GPS_time")  # what older files have in its place
+    share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
+    kind = max(share, key=share.get)
+    if share[kind] < SMALLEST_SHARE:
+        raise refusal(path, "variables", "those of an echogram or of layers", listed(names))
+    if kind not in kinds:
+        expected = " or ".join(in_words(kind) for kind in kinds)
+        raise refusal(path, "format", expected, in_words(kind))
+    needed = FORMATS[kind][1]
+    missing = ", ".join(name for name in needed if name not in names)
+    if missing and kind in (*ECHOGRAMS, *LAYERS):
+        raise refusal(path, missing, f"variables {', '.join(needed)}", listed(names))
+    return kind
+
+
+def in_words(kind):
+    """A format as messages call it."""
+    return FORMATS[kind][0]

@@ -8,13 +8,12 @@ import xarray as xr
 
 from snowsim.echogram import bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import names_in, read_netcdf
-from snowsim.io.guard import is_png, is_zarr, one_line
+from snowsim.io.containers import ECHOGRAMS, LAYERS, in_words, names_in, read_netcdf, sniff
+from snowsim.io.files import is_png, is_zarr, one_line
 from snowsim.io.layers import surface_among
-from snowsim.io.png_pairs import PairSet, tells_db
+from snowsim.io.pairs import PairSet, tells_db
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
-from snowsim.io.sniff import ECHOGRAMS, LAYERS, in_words, sniff
 from snowsim.progress import shown
 
 # What a variable in the file of an echogram tells.

@@ -1,7 +1,8 @@
-"""Trained networks and unfinished trainings on disk, with what made them in the header."""
+"""Trained networks, unfinished trainings and trackers in files."""
 
 import hashlib
 import json
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,10 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from snowsim import __version__
-from snowsim.io.files import written_whole
-from snowsim.io.guard import library_errors, refusal
+from snowsim.io.files import Refused, library_errors, refusal, write_bytes, written_whole
 
 FORMAT = "snowsim model 1"
+TRACKER_FORMAT = "snowsim tracker 1"
 # One header entry: safetensors keeps no order among several, and files must repeat to the byte.
 KEY = "snowsim"
 
@@ -81,3 +82,49 @@ def _nested(flat):
             inside = inside.setdefault(parent, {})
         inside[leaf] = array
     return nested
+
+
+def write_tracker(path, content, card):
+    """Write a network (ONNX, bytes) to `path`, and its card to the JSON file of the same name.
+
+    The card is a dict of what JSON holds; `format`, `sha256` of the network and `created_from`, the
+    version of this package, are added.
+    """
+    path = Path(path)
+    head = {
+        "name": card["name"],
+        "version": card["version"],
+        "format": TRACKER_FORMAT,
+        "sha256": hashlib.sha256(content).hexdigest(),
+        "created_from": f"snowsim {__version__}",
+    }
+    text = json.dumps(head | card, indent=1, allow_nan=False)
+    write_bytes(path, content)
+    write_bytes(path.with_suffix(".json"), f"{text}\n".encode())
+
+
+def read_tracker(path):
+    """Network (ONNX, bytes) and card of a tracker.
+
+    ValueError, in a line, unless the card is whole, of this format and of this very network.
+    """
+    path = Path(path)
+    path_to_card = path.with_suffix(".json")
+    with library_errors(path_to_card, "card: expected JSON"):
+        card = json.loads(path_to_card.read_text(encoding="utf-8"))
+        found = card.get("format") if isinstance(card, dict) else card
+        if found != TRACKER_FORMAT:
+            msg = f"expected a card of format '{TRACKER_FORMAT}', got {found!r}"
+            raise Refused(msg)
+    content = path.read_bytes()
+    digest = hashlib.sha256(content).hexdigest()
+    if card.get("sha256") != digest:
+        raise refusal(path, "tracker", f"that of its card, sha256 {card.get('sha256')}", digest)
+    return content, card
+
+
+def shipped_trackers():
+    """Paths of the trackers that come with the package, by name."""
+    folder = Path(str(resources.files("snowsim"))) / "data"
+    found = sorted(folder.glob("*.onnx"))
+    return {path.stem: path for path in found if path.with_suffix(".json").is_file()}

@@ -10,9 +10,8 @@ from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import names_in, read_netcdf
-from snowsim.io.guard import library_errors, listed, refusal
-from snowsim.io.images import ANY_GREY, read_image
-from snowsim.io.png_pairs import layers_of_labels, pair_labels
+from snowsim.io.files import library_errors, listed, refusal
+from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
 # Of the published predictor, beside its outputs: sums and strips of them.

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import check_choice
-from snowsim.io.guard import library_errors, listed, refusal
+from snowsim.io.files import library_errors, listed, refusal
 
 FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "kg m-3": 1.0, "g cm-3": 1000.0}
 # Largest densities that fit one unit alone.

@@ -8,8 +8,7 @@ import numpy as np
 
 from snowsim.echogram import Echoes, Kind, Scene
 from snowsim.io.containers import check_heaps
-from snowsim.io.files import written_whole
-from snowsim.io.guard import Refused, library_errors
+from snowsim.io.files import Refused, library_errors, written_whole
 
 FORMAT = "snowsim scenes 2"
 # Of every variable its type, its first dimension, `scene` or one along which scenes stand below

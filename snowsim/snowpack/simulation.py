@@ -13,8 +13,8 @@ from snowsim.echogram import (
     scene_height,
     to_db,
 )
-from snowsim.io.datasets import echogram_dataset
-from snowsim.io.guard import MAXIMUM_BYTES
+from snowsim.io.echograms import echogram_dataset
+from snowsim.io.files import MAXIMUM_BYTES
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render
 from snowsim.phy.waveform import waveform_peak

@@ -12,7 +12,7 @@ from formats import of_mat, refused
 
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import read_matlab
-from snowsim.io.guard import MAXIMUM_BYTES
+from snowsim.io.files import MAXIMUM_BYTES
 from snowsim.io.scenes import SceneSet, write_scenes
 
 

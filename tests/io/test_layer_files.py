@@ -7,9 +7,9 @@ import scipy.io
 from formats import refused
 from numpy.testing import assert_array_equal
 
-from snowsim.io import layer_files, read_layers
-from snowsim.io.datasets import utc_times
-from snowsim.io.layer_files import gps_seconds, write_layer_files, write_layers
+from snowsim.io import read_layers
+from snowsim.io.echograms import utc_times
+from snowsim.io.layers import gps_seconds, write_layer_files, write_layers
 
 SEGMENT = "20120330_04"
 N_LINES = 30
@@ -73,7 +73,7 @@ def test_layer_files_are_laid_out_as_real_ones(tmp_path, layers, shared_data):
 def test_the_same_layers_give_the_same_bytes(tmp_path, layers, monkeypatch):
     written = []
     for folder, clock in (("a", "now"), ("b", "then")):
-        monkeypatch.setattr(layer_files.scipy.io.matlab._mio5.time, "asctime", lambda c=clock: c)
+        monkeypatch.setattr(scipy.io.matlab._mio5.time, "asctime", lambda c=clock: c)
         paths = write_layer_files(tmp_path / folder, SEGMENT, {1: layers})
         written.append([path.read_bytes() for path in paths])
     assert written[0] == written[1]

@@ -16,7 +16,7 @@ from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose
 
 from snowsim.io.files import write_dataset
-from snowsim.io.frame_table import read_frame
+from snowsim.io.frames import read_frame
 from snowsim.phy import draw_speckle, mean_power
 from snowsim.statistics import fit
 

@@ -19,10 +19,8 @@ import pytest
 
 from snowsim.echogram import Scene
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.export import layer_numbers
 from snowsim.io.files import write_dataset
-from snowsim.io.images import read_image, write_image
-from snowsim.io.png_pairs import read_pair
+from snowsim.io.pairs import layer_numbers, read_image, read_pair, write_image
 
 MOST_FLIPS = 8
 # A file is called after its kind, which begins with what it holds.

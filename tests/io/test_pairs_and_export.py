@@ -14,9 +14,16 @@ from numpy.testing import assert_array_equal
 from PIL import Image
 
 from snowsim.echogram import Scene, layer_mask
-from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
-from snowsim.io.images import read_image, read_mask
-from snowsim.io.png_pairs import PairSet, layers_of_labels, read_pair
+from snowsim.io.pairs import (
+    PairSet,
+    export_netcdf,
+    export_pairs,
+    layer_numbers,
+    layers_of_labels,
+    read_image,
+    read_mask,
+    read_pair,
+)
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ from runs import CONFIG
 
 from lib.configuration import read_schema
 from snowsim.frames import FLAGGED_BY
-from snowsim.io.frame_table import check_frames, read_frame
-from snowsim.io.sniff import SUPPLEMENT_FLAGS
+from snowsim.io.containers import SUPPLEMENT_FLAGS
+from snowsim.io.frames import check_frames, read_frame
 
 N_LINES = 520  # blocks of 256 lines begin at 0 and 250
 ROLES = ("statistics", "train", "test")

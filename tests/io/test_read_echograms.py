@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.io import echogram as echogram_of
 from snowsim.io import read_echogram
-from snowsim.io.datasets import utc_times
+from snowsim.io.echograms import utc_times
 from snowsim.io.files import write_dataset
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.

@@ -10,7 +10,7 @@ from planted_layers import BIN_S, WRITERS, content_of, planted
 from processes import run_in
 
 from snowsim.io import read_layers
-from snowsim.io.images import write_image
+from snowsim.io.pairs import write_image
 
 ROOT = Path(__file__).resolve().parents[2]
 SEGMENT_OF = {"mat73": "20120330_04", "nsidc": "20120330_05", "opr": "20120330_06"}

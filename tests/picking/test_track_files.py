@@ -9,7 +9,7 @@ from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted
 from snowsim.cli import main
 from snowsim.io import open_segment, read_layers
 from snowsim.io.describe import describe
-from snowsim.io.images import write_image
+from snowsim.io.pairs import write_image
 from snowsim.picking import canonical
 from snowsim.tracking import track_files
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import expit
 
 from snowsim.front import REFERENCE
-from snowsim.io.trackers import read_tracker
+from snowsim.io.models import read_tracker
 from snowsim.patches import to_signed
 from snowsim.tracker import MultiScaleNetwork
 from snowsim.tracker.portable import network_of_onnx, to_onnx

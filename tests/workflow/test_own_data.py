@@ -24,7 +24,7 @@ from runs import (
 from snakemake.utils import update_config
 
 from lib.configuration import filled
-from snowsim.io.frame_table import read_frames
+from snowsim.io.frames import read_frames
 from snowsim.io.scenes import SceneSet
 from snowsim.statistics import fit
 

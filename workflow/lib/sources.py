@@ -44,7 +44,7 @@ def check_reference(reference, flight):
 
 def own_frames(path_to_table):
     """Rows of the table of frames, dicts in lists by role; ValueError if a role lacks a frame."""
-    from snowsim.io.frame_table import read_frames
+    from snowsim.io.frames import read_frames
 
     table = read_frames(path_to_table)
     frames = {role: rows.to_dict("records") for role, rows in table.groupby("role")}
@@ -61,8 +61,8 @@ def frames_to_track(path_to_table, per_job):
     A job has about `per_job` frames. A segment is never divided between jobs, however long it is,
     since layers keep their names along it. A frame whose file names no segment is one by itself.
     """
-    from snowsim.io.frame_table import TRACK, read_frames
-    from snowsim.io.layer_files import named_frame
+    from snowsim.io.frames import TRACK, read_frames
+    from snowsim.io.layers import named_frame
 
     table = read_frames(path_to_table)
     segments = {}
@@ -82,8 +82,8 @@ def frames_to_track(path_to_table, per_job):
 
 def frame_files(row, source):
     """Files of a row: echogram, layers and, where there are any, names of layers and flags."""
+    from snowsim.io.echograms import find_supplement
     from snowsim.io.layers import find_organizer
-    from snowsim.io.nsidc import find_supplement
 
     files = [row["echogram"], row["layers"]]
     if source == "nsidc" and (supplement := find_supplement(row["echogram"])):
@@ -101,7 +101,7 @@ def frame_inputs(row, source):
 
 def own_pairs(folder, lists, data_scale):
     """A `PairSet` for each split that has a list; ValueError if a scene is in two lists."""
-    from snowsim.io.png_pairs import PairSet
+    from snowsim.io.pairs import PairSet
 
     if folder is None:
         msg = "config: import.pairs.folder: expected a folder of the published benchmark, got null"
@@ -130,7 +130,7 @@ def check_lists(lists, *, data_scale, contrast_db):
     """
     import pandas as pd
 
-    from snowsim.io.png_pairs import PairSet
+    from snowsim.io.pairs import PairSet
 
     rows = []
     failed = []

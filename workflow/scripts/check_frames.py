@@ -2,12 +2,12 @@
 
 from job import job
 
-from snowsim.io import frame_table
 from snowsim.io.files import write_table
+from snowsim.io.frames import check_frames, read_frames
 
 with job(snakemake) as log:
-    frames = frame_table.read_frames(snakemake.input.frames)
-    checked = frame_table.check_frames(frames, blocks=True, **snakemake.params.reading)
+    frames = read_frames(snakemake.input.frames)
+    checked = check_frames(frames, blocks=True, **snakemake.params.reading)
     flagged = checked[checked["flags"] != ""]
     for row in flagged.itertuples():
         lines = f"{row.n_flagged_lines} of {row.n_range_lines} range lines left out"

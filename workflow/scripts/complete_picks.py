@@ -5,8 +5,8 @@ from job import job, progress
 from scipy.special import expit
 
 from snowsim.cgan.picks import completed
+from snowsim.io.models import read_tracker
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.io.trackers import read_tracker
 from snowsim.picking import pick_layers
 from snowsim.tracker.calibration import fused_logits
 from snowsim.tracker.portable import network_of_onnx

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from job import job, progress
 
-from snowsim.io.export import export_netcdf, export_pairs
 from snowsim.io.files import written_whole
+from snowsim.io.pairs import export_netcdf, export_pairs
 from snowsim.io.scenes import SceneSet
 
 with job(snakemake):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from job import job
 
-from snowsim.io.frame_table import read_frame, scenes_of_frame
+from snowsim.io.frames import read_frame, scenes_of_frame
 from snowsim.io.scenes import write_scenes
 
 with job(snakemake) as log:

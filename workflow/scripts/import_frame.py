@@ -7,7 +7,7 @@ from job import job
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.frames import count_flagged
 from snowsim.io.files import write_dataset
-from snowsim.io.frame_table import read_frame
+from snowsim.io.frames import read_frame
 
 with job(snakemake) as log:
     name = snakemake.params.name

@@ -2,7 +2,7 @@
 
 from job import job, progress
 
-from snowsim.io.png_pairs import PairSet
+from snowsim.io.pairs import PairSet
 from snowsim.io.scenes import write_scenes
 
 with job(snakemake):

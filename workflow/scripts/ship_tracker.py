@@ -7,7 +7,7 @@ from pretrained.card import ranges_of, scores_for_card
 from pretrained.scenes import EVERY
 from pretrained.scores import read_calibration, read_confidence
 from snowsim.io.files import read_dataset
-from snowsim.io.trackers import write_tracker
+from snowsim.io.models import write_tracker
 from snowsim.statistics import Ranges
 from snowsim.tracker.card import SYNTHETIC, make_card
 from snowsim.tracker.portable import to_onnx

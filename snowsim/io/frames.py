@@ -11,8 +11,9 @@ import pandas as pd
 from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames import FLAGGED
-from snowsim.io import read_echogram, read_layers, sniff
-from snowsim.io.guard import library_errors, one_line, refusal, report
+from snowsim.io import read_echogram, read_layers
+from snowsim.io.containers import SUPPLEMENT_FLAGS, sniff
+from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among
 from snowsim.progress import shown
 
@@ -172,9 +173,9 @@ def read_frame(
     flagged; or if a flag is unknown.
     """
     for flag in flagged_by:
-        check_choice("flagged_by", flag, sniff.SUPPLEMENT_FLAGS)
+        check_choice("flagged_by", flag, SUPPLEMENT_FLAGS)
     if source is not None:
-        sniff.sniff(row.echogram, [source])
+        sniff(row.echogram, [source])
     echogram = read_echogram(row.echogram)
     layers = _layers_from_surface(row.layers, layer_names)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))

@@ -1,12 +1,15 @@
-"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked."""
+"""Echograms of every format as Open Polar Radar datasets."""
+
+import re
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import read_netcdf
-from snowsim.io.guard import MAXIMUM_BYTES, Refused, library_errors, refusal
+from snowsim.io.containers import SUPPLEMENT_FLAGS, read_matlab, read_netcdf
+from snowsim.io.files import MAXIMUM_BYTES, Refused, library_errors, refusal
 
 UNITS = {
     "Data": "W (uncalibrated)",
@@ -169,3 +172,156 @@ def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
     recorded = (row >= bins + first_row) & (row < bins + end_row)
     echogram["Data"] = echogram["Data"].where(recorded)
     return shifted(echogram.drop_vars("Elevation_Correction"), -bins.values.astype(int))
+
+
+NSIDC_NAMES = {
+    "lat": "Latitude",
+    "lon": "Longitude",
+    "altitude": "Elevation",
+    "Surface": "Surface",
+    "Bottom": "Bottom",
+    "Elevation_Correction": "Elevation_Correction",
+    "roll": "Roll",
+    "pitch": "Pitch",
+    "heading": "Heading",
+}
+ATTITUDE = ("Roll", "Pitch", "Heading")
+HALF_DAY_S = 43200
+
+
+def read_nsidc(path, *, compensated=False):
+    """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
+
+    `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
+    NaN; `time` (seconds of day, UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes
+    `twtt`; degrees of attitude become radians. With a supplement beside it, bit i of `quality_mask`
+    (slow_time) is flag i of its `flag_meanings`.
+    """
+    # As stored: no fill value is set in these files, and a default one must not hide a value.
+    stored = read_netcdf(path)
+    axes = (*stored["fasttime"].dims, *stored["time"].dims)
+    seconds_of_day = np.ravel(stored["time"]).astype(float)
+    midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
+    epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
+    content = {
+        "Data": stored["amplitude"].transpose(*axes).values,
+        "twtt": in_seconds(stored["fasttime"], "us").values,
+        "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
+    }
+    for theirs, ours in NSIDC_NAMES.items():
+        if theirs in stored:
+            values = np.ravel(stored[theirs]).astype(float)
+            content[ours] = np.radians(values) if ours in ATTITUDE else values
+    attributes = {"source_format": "IRSNO1B NetCDF"}
+    for name in sorted(stored.variables):
+        parameter = name.rpartition(".")[2]
+        if name.startswith("param") and parameter in PARAMETERS:
+            # Characters, padded with NUL.
+            text = b"".join(np.ravel(stored[name]).astype(bytes)).decode("latin-1")
+            attributes.setdefault(parameter, " ".join(text.replace("\0", "").split())[:100])
+    echogram = echogram_dataset(path, content, attributes, decibels=True)
+    if "Elevation_Correction" in echogram and not compensated:
+        echogram = undo_compensation(echogram)
+    supplement = find_supplement(path)
+    if supplement is not None:
+        echogram["quality_mask"] = _quality_mask(supplement, seconds_of_day.size)
+        echogram.attrs["supplement"] = supplement.name
+    return echogram
+
+
+def find_supplement(path):
+    """The supplement that lies beside an IRSNO1B file, or None: the same name up to the frame."""
+    path = Path(path)
+    base, variant = re.fullmatch(r"(.*?\d{8}_\d{2}_\d{3}|.*?)(.*)", path.stem).groups()
+    stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
+    files = (path.with_name(f"{stem}.nc") for stem in stems if base or stem == stems[0])
+    return next((file for file in files if file.is_file()), None)
+
+
+def _quality_mask(path, n_lines):
+    """Flags of a supplement, set for a frame as a whole or line by line."""
+    stored = read_netcdf(path)
+    flags = np.zeros((len(SUPPLEMENT_FLAGS), n_lines), dtype=bool)
+    with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
+        if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
+            msg = f"supplement: expected flags {', '.join(SUPPLEMENT_FLAGS)}, found none of them"
+            raise Refused(msg)
+        for row, name in enumerate(SUPPLEMENT_FLAGS):
+            if name in stored:
+                flags[row] = stored[name].values != 0
+    (mask,) = np.packbits(flags, axis=0, bitorder="little")
+    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
+    return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}
+
+
+ALONG_TRACK = (
+    "Latitude",
+    "Longitude",
+    "Elevation",
+    "Surface",
+    "Bottom",
+    "Roll",
+    "Pitch",
+    "Heading",
+    "Elevation_Correction",
+)
+OTHERS = ("Data", "Time", "GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
+# Parameter structs by age; the newest that has a name is believed.
+PARAMETER_STRUCTS = (
+    "param_records",
+    "param_qlook",
+    "param_get_heights",
+    "param_array",
+    "param_sar",
+    "param_csarp",
+    "param_combine_wf_chan",
+    "param_combine",
+    "param_vectors",
+    "param_radar",
+    "param",
+)
+
+
+def read_cresis(path, *, compensated=False):
+    """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
+
+    `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax
+    * maxData + minData``. `Time` may be row or column; surface, attitude and `Bottom` may be
+    missing. GPS seconds lose their leap seconds.
+    """
+    values = read_matlab(path, (*OTHERS, *ALONG_TRACK, *PARAMETER_STRUCTS))
+    is_gps = "GPS_time" in values
+    time = np.ravel(values["Time"]).astype(float)
+    kept = np.ravel(values.get("Truncate_Bins", np.arange(time.size) + 1)) - 1
+    if not kept[0] >= 0 or (np.diff(kept) != 1).any():
+        msg = f"Truncate_Bins: expected consecutive indices from 1 up, found {kept[0] + 1:g} first"
+        raise Refused(msg)
+    # `Time` was truncated along with the data, or is as long as the padded traces were before.
+    time_is_padded = kept.size < time.size
+    content = {
+        "Data": np.asarray(values["Data"]),
+        "twtt": time[kept.astype(int)] if time_is_padded else time,
+        "slow_time": utc_times(values["GPS_time" if is_gps else "UTC_time"], gps=is_gps),
+    }
+    content |= {name: values[name] for name in ALONG_TRACK if name in values}
+    is_scaled = "minData" in values or "maxData" in values
+    if is_scaled:
+        with library_errors(path, "Data: expected integers scaled by minData and maxData"):
+            content["Data"] = _unscaled(content["Data"], values)
+    attributes = {"source_format": "CReSIS L1B MAT"}
+    for struct in PARAMETER_STRUCTS:
+        fields = values.get(struct)
+        for name in PARAMETERS if isinstance(fields, dict) else ():
+            if isinstance(fields.get(name), str) and fields[name]:
+                attributes.setdefault(name, " ".join(fields[name].split())[:100])
+    echogram = echogram_dataset(path, content, attributes, decibels=is_scaled)
+    if "Elevation_Correction" not in echogram or compensated:
+        return echogram
+    padding = echogram["Elevation_Correction"].values.max() if time_is_padded else -np.inf
+    return undo_compensation(echogram, -kept[0], time.size - padding - kept[0])
+
+
+def _unscaled(data, values):
+    """Decibels that integers stand for."""
+    step_db = np.float32(values["maxData"] / np.iinfo(data.dtype).max)
+    return data.astype(np.float32) * step_db + np.float32(values["minData"])

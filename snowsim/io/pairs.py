@@ -1,0 +1,411 @@
+"""The published benchmark's pairs of image and labels, read and written; scenes exported."""
+
+import importlib.util
+import io
+import json
+import re
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
+from snowsim.io.containers import read_matlab
+from snowsim.io.files import (
+    Refused,
+    is_png,
+    library_errors,
+    listed,
+    refusal,
+    report,
+    write_bytes,
+    write_dataset,
+    written_whole,
+)
+from snowsim.progress import shown
+
+MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
+NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
+ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
+# As Pillow calls them.
+MODES = {"8-bit grey": ("L",), ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA")}
+
+
+def read_image(path, expected="8-bit grey"):
+    """PNG image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
+
+    `expected` is one of `MODES`. What is no whole PNG image of such a mode and a bearable size is
+    refused.
+    """
+    most = f"PNG: expected a whole grey image of at most {MAXIMUM_PIXELS} pixels"
+    with library_errors(path, most), warnings.catch_warnings():
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
+        Image.open(path, formats=["PNG"]).verify()  # checksums: reading does not look at them
+        with Image.open(path, formats=["PNG"]) as file:
+            columns, rows = file.size
+            if columns * rows > MAXIMUM_PIXELS:
+                msg = f"{most}, found {rows} rows of {columns}"
+                raise Refused(msg)
+            values = np.array(file)
+            texts = file.text
+            colours = values[..., :3] if values.ndim == 3 else values[..., None]
+            if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
+                msg = f"PNG: expected {expected}, found mode {file.mode}"
+                raise Refused(msg)
+        held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
+        numbers = {name: kind(texts[name]) for name, kind in held.items()}
+    return colours[..., 0], numbers
+
+
+def read_mask(path):
+    """Mask of a PNG image, bool (range_bin, range_line): 0 and one more grey level."""
+    values, _ = read_image(path, ANY_GREY)
+    levels = np.unique(values)
+    if levels.size > 2 or (levels.size == 2 and levels[0] != 0):
+        found = f"{levels.size} levels from {levels[0]} to {levels[-1]}"
+        raise refusal(path, "mask", "1 bit, or two grey levels of which one is 0", found)
+    return values > 0
+
+
+def write_image(path, image, numbers=None):
+    """Write a PNG, whole or not at all, with numbers as text chunks.
+
+    Settings are fixed: same pixels, same bytes.
+    """
+    info = PngInfo()
+    for name, number in (numbers or {}).items():
+        info.add_text(name, repr(NUMBERS_IN_TEXT[name](number)))
+    buffer = io.BytesIO()
+    picture = Image.fromarray(np.ascontiguousarray(image))
+    picture.save(buffer, format="PNG", compress_level=6, pnginfo=info)
+    write_bytes(path, buffer.getvalue())
+
+
+# A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
+MAXIMUM_SHARE_ON = 0.5
+THICKEST_PIXELS = 15  # of a layer in a column, in the median
+DATA_SCALES = ("power", "db")
+LABEL_PREFIXES = ("layer_", "layer_binary_")
+
+
+class PairSet(Sequence):
+    """Scenes in the layout of the published benchmark; a scene is read when it is asked for.
+
+    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a
+    scene, by name; or a list file with one such name a line, relative to the list (a second name,
+    the label, is not needed). `data_scale`, "power" or "db", says what floating-point `data` of
+    .mat pairs are, which non-negative numbers do not tell. No scene, a missing file or a name that
+    comes twice is refused.
+
+    A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of
+    `data_`. Layer number k is row k - 1 of `layer_bins`; numbers that occur nowhere between others
+    leave a row of NaN. A mask alone tells no numbers: the k-th run of pixels from the top of a
+    column is then layer k - 1 there, so below a gap in a layer the deeper ones count up by one;
+    positions, and the mask itself, stay exact. A run of several pixels counts at its middle. Where
+    both labels are there, they must agree.
+    """
+
+    def __init__(self, path, *, data_scale=None):
+        path = Path(path)
+        check_choice("data_scale", data_scale, (None, *DATA_SCALES))
+        self._data_scale = data_scale
+        if path.is_dir():
+            self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
+        else:
+            with library_errors(path, "expected a folder, or a list with one file name a line"):
+                lines = path.read_text(encoding="utf-8-sig").splitlines()
+            self._paths = [path.parent / line.split()[0] for line in lines if line.strip()]
+        self.names = [scene_name(file) for file in self._paths]
+        missing = [file.name for file in self._paths if not file.is_file()]
+        twice = {name for name in self.names if self.names.count(name) > 1}
+        if not self.names or missing or twice:
+            expected = "files data_*.png or data_*.mat that are there, of names that differ"
+            found = f"{len(self)}, {len(missing)} missing: {listed(missing)}; "
+            raise refusal(path, "scenes", expected, f"{found}twice: {listed(twice)}")
+
+    def __len__(self):
+        return len(self._paths)
+
+    def __getitem__(self, item):
+        return read_pair(self._paths[item], data_scale=self._data_scale)
+
+    def files(self, span):
+        """Files a slice of scenes is read from: images and labels."""
+        paths = self._paths[span]
+        return paths + [label for path in paths for label in labels_beside(path)]
+
+    def check(self):
+        """Read every scene once; one ValueError names all that fail.
+
+        Those not as wide as most fail, too. Returned is a list of a dict for each scene: `name`,
+        `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
+        """
+        rows = []
+        failed = []
+        for item in shown(range(len(self)), unit="scene"):
+            try:
+                scene = self[item]
+            except ValueError as error:
+                failed.append(str(error))
+                continue
+            sizes = {"n_range_bins": scene.n_range_bins, "n_range_lines": scene.n_range_lines}
+            told = {"n_layers": len(scene.layer_bins), "tells_db": tells_db(scene)}
+            rows.append({"name": scene.name} | sizes | told)
+        widths = [row["n_range_lines"] for row in rows]
+        usual = max(widths, key=widths.count, default=None)
+        expected = f"width: expected {usual} range lines as in most"
+        for row in rows:
+            if row["n_range_lines"] != usual:
+                failed.append(f"{row['name']}: {expected}, found {row['n_range_lines']}")
+        report(failed, f"{len(failed)} of {len(self)} scenes fail:")
+        return rows
+
+
+def tells_db(scene):
+    """Whether it is known what the grey levels of a scene stand for."""
+    return bool(np.isfinite([scene.noise_floor_db, scene.maximum_db]).all())
+
+
+def scene_name(path):
+    """Name of the scene an image `data_<name>.png` shows."""
+    return path.stem.removeprefix("data_")
+
+
+def read_pair(path, *, data_scale=None):
+    """Scene of one `data_*` file and the labels beside it; see `PairSet`.
+
+    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased
+    masks; bad images.
+    """
+    path = Path(path)
+    with library_errors(path):
+        image, numbers = read_image(path) if is_png(path) else _mat_image(path, data_scale)
+        label, drawn = pair_labels(path)
+    if drawn.shape != image.shape:
+        raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)
+    layer_bins = layers_of_labels(drawn, label)
+    if not np.isfinite(layer_bins).any():
+        raise refusal(label, "labels", "at least one layer", "none")
+    check_layer_bins(layer_bins, str(label))
+    return Scene(scene_name(path), len(image), layer_bins, image=image, **numbers)
+
+
+def layers_of_labels(drawn, where="labels"):
+    """Layers of labels (range_bin, range_line), (layer, range_line) in range bins.
+
+    Labels are layer numbers, the middle of each layer's pixels is taken; or a mask, of bool, in
+    which the k-th run of pixels from the top of a column is layer k. More than half of the pixels
+    of a mask on, as in an inverted one, are refused, but for images one range bin high; and numbers
+    that leave a run, as of regions, or are mostly missing, as of numbers scaled to be seen.
+    """
+    if drawn.dtype == bool:
+        if len(drawn) > 1 and drawn.mean() > MAXIMUM_SHARE_ON:
+            found = f"{100 * drawn.mean():.0f} % of pixels on: inverted?"
+            raise refusal(where, "mask", "layers on a dark ground", found)
+        begins = drawn.copy()
+        begins[1:] &= ~drawn[:-1]
+        drawn = np.where(drawn, np.cumsum(begins, axis=0), 0)
+    rows, lines = np.nonzero(drawn)
+    pixels = pd.DataFrame({"layer": drawn[rows, lines], "line": lines, "row": rows})
+    runs = pixels.groupby(["layer", "line"])["row"].agg(["count", "min", "max"])
+    n_layers = int(drawn.max(initial=0))
+    n_apart = int((runs["max"] - runs["min"] >= runs["count"]).sum())
+    n_found = pixels["layer"].nunique()
+    thickness = runs["count"].median()
+    if n_apart or 2 * n_found < n_layers or thickness > THICKEST_PIXELS:
+        expected = "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
+        expected += f"of at most {THICKEST_PIXELS}"
+        found = f"{n_found} of numbers up to {n_layers}, {thickness:.0f} pixels a "
+        found += f"column in the median, {n_apart} times apart: regions, or scaled to be seen?"
+        raise refusal(where, "layer numbers", expected, found)
+    middles = ((runs["min"] + runs["max"]) / 2).unstack("line")
+    return middles.reindex(range(1, n_layers + 1)).reindex(columns=range(drawn.shape[1])).to_numpy()
+
+
+def labels_beside(path):
+    """Label files named after an image `data_*`: of layer numbers, of a mask."""
+    name = path.name.removeprefix("data_")
+    labels = [path.with_name(prefix + name) for prefix in LABEL_PREFIXES]
+    return [label for label in labels if label.is_file()]
+
+
+def pair_labels(path):
+    """File and labels of an image `data_*`: uint8 layer numbers, or a mask of bool.
+
+    They are beside it, or within it if it is a MAT file. Numbers and a mask must agree.
+    """
+    first, *others = labels_beside(path) or [path]
+    if first == path and path.suffix == ".png":
+        raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
+    drawn = _drawn_labels(first)
+    for other in others:
+        if not np.array_equal(_drawn_labels(other), drawn > 0):
+            raise refusal(other, "mask", f"what {first.name} has", "a difference")
+    return first, drawn
+
+
+def _drawn_labels(path):
+    is_mask = path.name.startswith("layer_binary_")
+    if path.suffix == ".png":
+        return read_mask(path) if is_mask else read_image(path)[0]
+    values = np.atleast_2d(read_matlab(path, ("layer",))["layer"])
+    if not _is_8_bit(values):
+        raise refusal(path, "layer", "whole numbers from 0 to 255", values.dtype)
+    return values > 0 if is_mask or values.dtype == bool else values.astype(np.uint8)
+
+
+def _mat_image(path, data_scale):
+    """8-bit image of `data`, and the numbers that tell what it stands for."""
+    data = np.atleast_2d(read_matlab(path, ("data",))["data"])
+    if data_scale is None and _is_8_bit(data):
+        return data.astype(np.uint8), {}
+    scale = "db" if data.min() < 0 else data_scale
+    if scale is None:
+        raise refusal(path, "data", f"whole numbers to 255, or data_scale of {DATA_SCALES}", scale)
+    power = 10 ** (data / 10) if scale == "db" else data.astype(float)
+    image, noise_floor_db, maximum_db = to_uint8(power)
+    return image, {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
+
+
+def _is_8_bit(values):
+    """Whether all are whole numbers from 0 to 255."""
+    return bool(((values >= 0) & (values <= 255) & (values == np.floor(values))).all())
+
+
+FORMAT = "snowsim scene 1"
+LAYERS = ("annotated", "complete")
+MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
+# Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
+# number image a mask.
+NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+def check_empty(folder):
+    """Raise ValueError if a folder to write scenes to holds something already."""
+    held = sorted(path.name for path in Path(folder).glob("*"))
+    if held:
+        raise refusal(
+            folder, "folder", "an empty or a new one", f"{len(held)} files: {held[0]} ..."
+        )
+
+
+def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
+    """Write scenes in the layout of the published benchmark.
+
+    For each scene `data_<name>.png` (8-bit), `layer_binary_<name>.png` (1-bit) and
+    `layer_<name>.png` (layer numbers, the surface being 1), then a list file with one `data_*.png`
+    a line: what the loader of the published tracker code reads. Decibels of the grey levels go into
+    text chunks of the image. The same scenes give the same bytes. Read back, images are exact and
+    layers are rounded to whole bins; what leaves the window is not drawn.
+
+    Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the
+    "annotated" or, for scenes that know both, the "complete" layers. Returned are `n_scenes` and
+    `n_merged_pixels`, lost to a layer below. Names that the loader would trip over, scenes without
+    an image and more than 255 layers are refused.
+    """
+    folder = Path(folder)
+    check_choice("layers", layers, LAYERS)
+    n_scenes = 0
+    n_merged = 0
+    for scene in _listed(folder, scenes, list_name, "data_{}.png"):
+        if scene.image is None or "data_" in folder.name:
+            expected = "an image; the folder's name must not contain data_, which loaders replace"
+            raise refusal(folder, scene.name, expected, "none, or such a name")
+        layer_bins = scene.layer_bins
+        if layers == "complete" and scene.complete_layer_bins is not None:
+            layer_bins = scene.complete_layer_bins
+        numbers, merged = layer_numbers(layer_bins, scene.n_range_bins)
+        contrast = {name: getattr(scene, name) for name in NUMBERS_IN_TEXT}
+        write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
+        write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
+        write_image(folder / f"layer_{scene.name}.png", numbers)
+        n_scenes += 1
+        n_merged += merged
+    return {"n_scenes": n_scenes, "n_merged_pixels": n_merged}
+
+
+def layer_numbers(layer_bins, n_range_bins):
+    """Image of layer numbers, uint8 (range_bin, range_line), and how many pixels merged.
+
+    The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded
+    bin; of two layers at one pixel, the lower. Layers outside the window leave no pixel.
+    """
+    if len(layer_bins) > MAXIMUM_NUMBER:
+        msg = f"layer numbers hold at most {MAXIMUM_NUMBER} layers, got {len(layer_bins)}"
+        raise ValueError(msg)
+    numbers = np.zeros((n_range_bins, np.shape(layer_bins)[1]), dtype=np.uint8)
+    n_merged = 0
+    for number, bins in enumerate(layer_bins, start=1):
+        drawn = layer_mask([bins], n_range_bins)
+        n_merged += int(np.count_nonzero(numbers[drawn]))
+        numbers[drawn] = number
+    return numbers, n_merged
+
+
+def export_netcdf(folder, scenes, *, list_name="all.lst"):
+    """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file.
+
+    Nothing is rounded. `image` (range_bin, range_line), `layer_bins` and perhaps
+    `complete_layer_bins` (layer, range_line), `mask`; what grey levels mean, zone and notes are
+    attributes. Scenes, with or without images, are held one at a time.
+    """
+    return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
+
+
+def export_zarr(folder, scenes, *, list_name="all.lst"):
+    """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
+    if importlib.util.find_spec("zarr") is None:
+        raise refusal(folder, "Zarr", "package zarr (pip install 'zarr>=3')", "none")
+    return _export_datasets(folder, scenes, list_name, "zarr", _write_store)
+
+
+def _write_store(path, dataset):
+    with written_whole(path) as aside:
+        dataset.to_zarr(aside, mode="w", consolidated=False)
+
+
+def _export_datasets(folder, scenes, list_name, ending, write):
+    folder = Path(folder)
+    n_scenes = 0
+    for scene in _listed(folder, scenes, list_name, f"scene_{{}}.{ending}"):
+        write(folder / f"scene_{scene.name}.{ending}", _dataset(scene))
+        n_scenes += 1
+    return {"n_scenes": n_scenes}
+
+
+def _dataset(scene):
+    attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
+    for name, kind in NUMBERS_IN_TEXT.items():
+        attributes[name] = kind(getattr(scene, name))
+    attributes["notes"] = json.dumps(scene.notes, sort_keys=True)
+    dataset = xr.Dataset(attrs=attributes)
+    for name, rows in {"layer_bins": "layer", "complete_layer_bins": "complete_layer"}.items():
+        layer_bins = getattr(scene, name)
+        if layer_bins is not None:
+            layer_bins = np.asarray(layer_bins, dtype=float)
+            dataset[name] = ((rows, "range_line"), layer_bins, {"units": "bin"})
+    pixels = ("range_bin", "range_line")
+    if scene.image is not None:
+        meaning = {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"}
+        dataset["image"] = (pixels, scene.image, meaning)
+    mask = scene.mask().astype(np.uint8)
+    dataset["mask"] = (pixels, mask, {"long_name": "1 on a layer"})
+    return dataset
+
+
+def _listed(folder, scenes, list_name, file_name):
+    """Scenes whose names a loader will not trip over, one by one; then their files are listed."""
+    names = []
+    for scene in scenes:
+        if not NAME.fullmatch(scene.name) or scene.name in names:
+            expected = "a plain file name, unlike all others, without data_ and binary_"
+            raise refusal(folder, "scene", expected, repr(scene.name))
+        yield scene
+        names.append(scene.name)
+    lines = [f"{file_name.format(name)}\n" for name in names]
+    write_bytes(folder / list_name, "".join(lines).encode())
