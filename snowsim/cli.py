@@ -120,20 +120,40 @@ def info(file):
 
 @commands.command(short_help="Scenes to train a tracker on.", context_settings=SHOWN)
 @click.argument("folder", type=FOLDER)
-@click.option("-n", "n", type=COUNT, default=1500, help="Scenes.")
+@click.option("-n", "n", type=COUNT, default=1500, help="Number of scenes.")
 @click.option(
     "--statistics",
     type=click.Path(exists=True, dir_okay=False),
-    help="Of a flight; the reference's if none.",
+    help="Statistics of a flight; default: those of the reference flight.",
 )
-@click.option("--format", "form", type=click.Choice(["pairs", "netcdf", "zarr"]), default="pairs")
 @click.option(
-    "--range-lines", "n_range_lines", type=click.IntRange(2, MOST_RANGE_LINES), default=256
+    "--format",
+    "form",
+    type=click.Choice(["pairs", "netcdf", "zarr"]),
+    default="pairs",
+    help="Format of the files.",
 )
-@click.option("--range-bins", "n_range_bins", type=COUNT, help="Default: as layers need.")
-@click.option("--recipe", type=click.Choice(["measured", "paper"]), default="measured")
 @click.option(
-    "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel."
+    "--range-lines",
+    "n_range_lines",
+    type=click.IntRange(2, MOST_RANGE_LINES),
+    default=256,
+    help="Range lines of a scene.",
+)
+@click.option(
+    "--range-bins",
+    "n_range_bins",
+    type=COUNT,
+    help="Range bins of a scene; default: as many as its layers need.",
+)
+@click.option(
+    "--recipe",
+    type=click.Choice(["measured", "paper"]),
+    default="measured",
+    help="Layers as in the flight, or as the paper prints them, which needs --statistics.",
+)
+@click.option(
+    "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Looks averaged into a pixel."
 )
 @into_option
 @seed_option
@@ -293,7 +313,9 @@ def train(sources, model, n_steps, force, **settings):
     short_help="Echogram and layers over annual snow or a profile.", context_settings=SHOWN
 )
 @click.argument("echogram", type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--radar", type=click.Choice(PRESETS), default="snow-2-8")
+@click.option(
+    "--radar", type=click.Choice(PRESETS), default="snow-2-8", help="Radar of the package."
+)
 @click.option(
     "--set",
     "changes",
@@ -302,21 +324,42 @@ def train(sources, model, n_steps, force, **settings):
     help="A number or the window of the radar, by its name in the API.",
 )
 @click.option("--profile", type=EXISTING, help="Table of depth and density, in place of a climate.")
-@click.option("--depth-unit", type=click.Choice(["m", "cm", "mm"]), help="Where no header has it.")
 @click.option(
-    "--density-unit", type=click.Choice(["kg m-3", "g cm-3"]), help="Where no header has it."
+    "--depth-unit",
+    type=click.Choice(["m", "cm", "mm"]),
+    help="Unit of depth, where no header has it.",
 )
-@click.option("--depth-column", help="Its name, where the header tells no one column of depth.")
-@click.option("--density-column", help="Its name, where the header tells no one of density.")
+@click.option(
+    "--density-unit",
+    type=click.Choice(["kg m-3", "g cm-3"]),
+    help="Unit of density, where no header has it.",
+)
+@click.option(
+    "--depth-column", help="Name of the column of depth, where the header tells no one column."
+)
+@click.option("--density-column", help="Name of the column of density, likewise.")
 @click.option(
     "--depth-of",
     type=click.Choice(["top", "middle", "bottom"]),
-    help="Which end of a sample its depth is of, where no header tells.",
+    help="Place in a sample that its depth is given for, where no header tells.",
 )
-@click.option("--accumulation-m", type=float, default=0.3, help="Of a year, in metres of water.")
-@click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
-@click.option("--years", "n_years", type=int, default=20, help="Annual layers.")
-@click.option("--range-lines", "n_range_lines", type=COUNT, default=256)
+@click.option(
+    "--accumulation-m", type=float, default=0.3, help="Snow of a year, in metres of water."
+)
+@click.option(
+    "--variability",
+    type=float,
+    default=0.2,
+    help="Standard deviation of its logarithm from year to year.",
+)
+@click.option("--years", "n_years", type=int, default=20, help="Number of annual layers.")
+@click.option(
+    "--range-lines",
+    "n_range_lines",
+    type=COUNT,
+    default=256,
+    help="Range lines of the echogram.",
+)
 @over_option
 @seed_option
 @click.pass_context

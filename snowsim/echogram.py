@@ -31,11 +31,11 @@ class Echoes:
     Attributes
     ----------
     bins : ndarray, (row, range_line)
-        Where each echo's waveform peaks [range bins]; NaN where it is absent.
+        Range bin where each echo's waveform peaks; NaN where it is absent.
     power : ndarray, (row, range_line)
         Its linear power there.
     variance_bins2, decay_rate : ndarray, (row,)
-        Of its waveform [bins^2, per bin].
+        Variance and decay of its waveform [bins^2, per bin].
     kind : ndarray of int8, (row,)
         One of `Kind`.
     noise_power : float
@@ -47,7 +47,7 @@ class Echoes:
     line_gain_spread_db : float
         Standard deviation of gain from range line to range line [dB].
     decay_factor : float
-        By how much decay in this scene differs from the flight's; `decay_rate` includes it.
+        Factor of decay in this scene over the flight's; `decay_rate` includes it.
     """
 
     bins: np.ndarray

@@ -143,12 +143,12 @@ def scenes(
     ----------
     n : int
     statistics : "reference", path_like or xarray.Dataset, optional
-        Of a flight: the synthetic reference flight's, which come with the package, or others of
-        `snowsim.statistics`.
+        Statistics of a flight: those of the synthetic reference flight, which come with the
+        package, or others of `snowsim.statistics`.
     renderer : "phy" or callable, optional
-        Or any function of a `snowsim.echogram.Scene` with its layers and echoes:
-        it gives an image, uint8, or linear power, (range_bin, range_line). What it draws should
-        come from ``snowsim.seeding.random_stream(seed, scene.name)``.
+        PHY, or any function of a `snowsim.echogram.Scene` with its layers and echoes: it gives an
+        image, uint8, or linear power, (range_bin, range_line). What it draws should come from
+        ``snowsim.seeding.random_stream(seed, scene.name)``.
     rng : int or numpy.random.Generator
         Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
         any `n`.
@@ -193,6 +193,11 @@ def scenes(
         where = REFERENCE if statistics == "reference" else statistics
         statistics = read_dataset(where)
     check_statistics(statistics, where)
+    if recipe == "paper" and "thickness_psd" not in statistics:
+        msg = f"{where}: recipe paper needs thickness_psd, which statistics of the estimator paper "
+        msg += "have: name a file of those (--statistics); fit(frames, estimator='paper') of "
+        msg += "snowsim.statistics and runs with config/as_printed.yaml make them"
+        raise ValueError(msg)
     options = {"exact": exact, "as_printed": recipe == "paper"}
     draw = partial(draw_paper_scene, statistics, n_range_lines)
     if recipe == "measured":

@@ -50,9 +50,10 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     ----------
     snowpack : Snowpack or Climate
     radar : Radar or str
-        Or the name of a preset.
+        A radar or the name of a preset.
     n_range_lines : int, optional
-        By default the snowpack's, whose one range line may be repeated; 256 of a climate.
+        Number of range lines; by default the snowpack's, whose one may be repeated; 256 of a
+        climate.
     rng : int or numpy.random.Generator
     exact : bool, optional
         See `snowsim.phy.render`.
