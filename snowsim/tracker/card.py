@@ -1,6 +1,6 @@
 """The card of a tracker: its input and output, what it was trained on, its limits and scores."""
 
-VERSION = "2"
+VERSION = "3"
 SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "

@@ -30,12 +30,13 @@ class FusedLogits(nn.Module):
         return self.network(image)[-1]
 
 
-def to_onnx(network, offset=0.0):
+def to_onnx(network, offset=0.0, about=None):
     """A `MultiScaleNetwork` as ONNX (bytes): the same network always gives the same bytes.
 
     The input ``image``, float32 (n, 1, range_bin, range_line) of any size, is ``2 / 255 * grey -
     1`` of a uint8 image, see `snowsim.patches.to_signed`. The output ``logit``, of the same shape,
-    are the fused logits less `offset`, which is subtracted from the bias of the fuse.
+    are the fused logits less `offset`, which is subtracted from the bias of the fuse. `about` are
+    words by name for the file's metadata.
     """
     sizes = {0: "n", 2: "range_bin", 3: "range_line"}
     content = io.BytesIO()
@@ -55,7 +56,9 @@ def to_onnx(network, offset=0.0):
             output_names=[OUTPUT],
             dynamic_axes={INPUT: sizes, OUTPUT: sizes},
         )
-    return content.getvalue()
+    model = onnx.load_model_from_string(content.getvalue())
+    onnx.helper.set_model_props(model, about or {})
+    return model.SerializeToString(deterministic=True)
 
 
 def network_of_onnx(content):

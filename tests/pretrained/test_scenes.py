@@ -1,21 +1,25 @@
 """What the shipped tracker is trained on: scenes of variants of the flight."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from numpy.testing import assert_array_equal
 from runs import CONFIG
 
-from pretrained.card import scores_for_card
+from pretrained.card import digest_of, ranges_of, scores_for_card
 from pretrained.resizing import in_bins
-from pretrained.scenes import firn_scene, labelled, on_lines, training_scenes
+from pretrained.scenes import FirnRanges, firn_scene, labelled, on_lines, training_scenes
 from snowsim.echogram import Kind, Scene
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.labels import draw_scene
 from snowsim.patches import check_trainable
 from snowsim.snowpack import Climate, Radar
+from snowsim.statistics import Ranges
+from snowsim.tracker import MultiScaleNetwork
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +103,23 @@ def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():
         middle = (brightness * np.arange(192)[about]).sum() / brightness.sum()
         # Eight bits of brightness on 31 rows.
         assert abs(middle - layer) < 0.05
+
+
+def test_the_digest_is_of_every_weight():
+    network = MultiScaleNetwork(2)
+    network.initialise(rng=np.random.default_rng(1))
+    before = digest_of(network)
+    assert digest_of(copy.deepcopy(network)) == before
+    with torch.no_grad():
+        network.fuse.bias += 1e-6
+    assert digest_of(network) != before
+
+
+def test_ranges_of_the_card_hold_both_kinds_of_scenes(flight):
+    alone = ranges_of(flight, Ranges(), FirnRanges(surface_to_noise_db=(20, 21), n_looks=(5, 6)))
+    found = ranges_of(flight, Ranges(), FirnRanges(surface_to_noise_db=(20, 70), n_looks=(1, 6)))
+    assert found["surface_to_noise_db"] == [alone["surface_to_noise_db"][0], 70]
+    assert found["n_looks"] == [1, alone["n_looks"][1]]
 
 
 def test_scores_of_the_card_are_those_of_the_table_if_there_is_one(tmp_path):

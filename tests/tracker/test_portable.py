@@ -52,6 +52,14 @@ def test_an_offset_is_taken_off_every_logit(network, rng):
     assert_allclose(moved, 1.5, atol=1e-5)
 
 
+def test_what_is_told_of_a_network_stands_in_its_file_and_changes_nothing_else(network, rng):
+    image = rng.integers(0, 256, (1, 40, 40), dtype=np.uint8)
+    content = to_onnx(network, about={"name": "mine", "version": "3"})
+    session = onnxruntime.InferenceSession(content, providers=["CPUExecutionProvider"])
+    assert session.get_modelmeta().custom_metadata_map == {"name": "mine", "version": "3"}
+    assert_array_equal(run(content, image), run(to_onnx(network), image))
+
+
 def test_weights_are_read_back_equal_ones_too(network):
     # As drawn all biases are zero, and the file keeps equal weights once.
     read = network_of_onnx(to_onnx(network))

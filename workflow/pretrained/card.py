@@ -1,13 +1,52 @@
-"""What the card of the shipped tracker says of its scenes and scores."""
+"""What the card of the shipped tracker says of its scenes, its making and its scores."""
+
+import hashlib
+import platform
+import subprocess
 
 import numpy as np
 import pandas as pd
+import torch
+
+LICENCE = "BSD-3-Clause"
+COMMAND = "snakemake pretrained"
 
 
-def ranges_of(statistics, ranges):
-    """Ranges of `snowsim.statistics.varied` scenes of a flight, (least, most) by name and unit.
+def digest_of(network):
+    """SHA-256 of the names and values of a network's weights."""
+    digest = hashlib.sha256()
+    for name, values in sorted(network.state_dict().items()):
+        digest.update(name.encode())
+        digest.update(values.cpu().numpy().tobytes())
+    return digest.hexdigest()
 
-    `ranges` are the `snowsim.statistics.Ranges` that these scenes are drawn from.
+
+def commit_of(folder):
+    """Commit of a checkout, "-dirty" added where files differ from it; None of another folder."""
+    command = ["git", "-C", folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    return told.stdout.strip() or None
+
+
+def making(network, commit, seed, benchmark):
+    """How the weights were made, for the card; the table `benchmark` tells the time it took."""
+    seconds = pd.read_csv(benchmark, sep="\t")["cpu_time"].sum()
+    return {
+        "weights": digest_of(network),
+        "commit": commit,
+        "command": COMMAND,
+        "seed": seed,
+        "processor": f"{platform.machine()}, {torch.backends.cpu.get_cpu_capability()}",
+        "core_hours": round(seconds / 3600, 2),
+        "licence": LICENCE,
+    }
+
+
+def ranges_of(statistics, ranges, firn):
+    """Ranges of the scenes of training, (least, most) by name and unit.
+
+    `ranges` are the `snowsim.statistics.Ranges` that variants of a flight's statistics are drawn
+    from, `firn` the `pretrained.scenes.FirnRanges` of clean firn.
     """
     edges = statistics["zone_edge_bins"].values
     width_bins = float(statistics["width_bins"].values[0])
@@ -21,8 +60,8 @@ def ranges_of(statistics, ranges):
     spans = {
         "first_layer_thickness_bins": (edges[0] * thinnest, edges[-1] * thickest),
         "surface_width_bins": [width_bins * factor for factor in ranges.pulse_length],
-        "surface_to_noise_db": (weakest_db, strongest_db),
-        "n_looks": ranges.n_looks,
+        "surface_to_noise_db": both((weakest_db, strongest_db), firn.surface_to_noise_db),
+        "n_looks": both(ranges.n_looks, firn.n_looks),
         "line_gain_spread_db": ranges.line_gain_spread_db,
     }
     rounded = {name: [round(float(value), 1) for value in span] for name, span in spans.items()}
@@ -34,6 +73,11 @@ def ranges_of(statistics, ranges):
     farthest_m = ranges.line_spacing[1] * float(statistics.attrs["line_spacing_m"])
     rounded["line_spacing_m"] = [0.0, round(farthest_m, 1)]
     return rounded
+
+
+def both(span, other):
+    """Span (least, most) of what lies in one of two."""
+    return min(span[0], other[0]), max(span[1], other[1])
 
 
 def scores_for_card(paths):

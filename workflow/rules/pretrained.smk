@@ -136,6 +136,9 @@ rule ship_tracker:
     params:
         n_scenes=PRETRAINED["n_scenes"],
         n_variants=PRETRAINED["n_variants"],
+        n_varied=transfer.n_varied(PRETRAINED),
+        seed=config["seed"],
+        benchmark="results/benchmarks/train_pretrained/all.tsv",
         radar={
             "bin_s": config["reference"]["radar"]["bin_size_s"],
             "line_spacing_m": config["reference"]["radar"]["line_spacing_m"],

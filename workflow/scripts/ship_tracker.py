@@ -1,10 +1,10 @@
 """The pretrained tracker in the form in which it comes with the package: ONNX and a card."""
 
-from job import job
+from job import ROOT, job
 
 from lib.tracker_scores import read_tracker
-from pretrained.card import ranges_of, scores_for_card
-from pretrained.scenes import EVERY
+from pretrained.card import commit_of, making, ranges_of, scores_for_card
+from pretrained.scenes import EVERY, FirnRanges
 from pretrained.scores import read_calibration, read_confidence
 from snowsim.io.files import read_dataset
 from snowsim.io.models import write_tracker
@@ -22,21 +22,31 @@ with job(snakemake):
     calibration = read_calibration(snakemake.input.calibration)
     settings = trained.settings
     n_scenes = snakemake.params.n_scenes
-    n_variants = snakemake.params.n_variants
-    trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_variants} variants of the "
-    trained_on += "statistics of the reference flight with crusts and bands of noise, one in "
+    n_varied = snakemake.params.n_varied
+    n_firn = n_scenes * (snakemake.params.n_variants - n_varied)
+    trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_varied} variants of the statistics "
+    trained_on += "of the reference flight with crusts and bands of noise, one in "
     trained_on += f"{EVERY} without and the flight's own, as its picks give them, rendered by PHY; "
+    trained_on += f"{n_firn} of clean firn by snowsim.simulate; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
+    made = making(
+        trained.network,
+        commit_of(ROOT),
+        snakemake.params.seed,
+        snakemake.params.benchmark,
+    )
     card = make_card(
         "universal",
         calibration,
         trained_on=trained_on,
         **snakemake.params.radar,
-        ranges=ranges_of(read_dataset(snakemake.input.statistics), Ranges()),
+        ranges=ranges_of(read_dataset(snakemake.input.statistics), Ranges(), FirnRanges()),
         scores=scores_for_card(snakemake.params.scores),
         limits=LIMITS,
         confidence=read_confidence(snakemake.input.confidence),
     )
-    network = to_onnx(trained.network, calibration.offset)
-    write_tracker(snakemake.output.tracker, network, card)
+    about = {name: str(value) for name, value in ({"name": card["name"]} | made).items()}
+    about["version"] = card["version"]
+    network = to_onnx(trained.network, calibration.offset, about)
+    write_tracker(snakemake.output.tracker, network, card | made)
