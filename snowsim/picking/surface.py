@@ -4,7 +4,10 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 AIR_BINS = 24  # whose mean is that of the air above
+# A surface rises by more than such a mean of few bins errs, even of a single look.
+LEAST_AIR_BINS = 3
 SNOW_BINS = 3
+LEAST_SNOW_BINS = 2
 GUARD_BINS = 3  # between both: an echo has an edge
 SMOOTH_LINES = 15
 OUTLIER_BINS = 8.0
@@ -23,9 +26,10 @@ def find_surface(power_db, given):
     """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
 
     It is the largest of the next few bins where their mean exceeds that of the air above by most,
-    of what was recorded; where less than half of either was, nothing rises. A line that leaves the
+    of what was recorded; where too little of either was, nothing rises. A line that leaves the
     running median by more than a few bins takes the median. And by what share of that power rises
-    at the surface given, (range_line,), NaN where that is unknown.
+    at the surface given, (range_line,): all of it where the snow below was recorded but no air
+    above, NaN where that is unknown.
     """
     n_bins, n_lines = power_db.shape
     known = np.isfinite(power_db).any(axis=0)
@@ -35,8 +39,9 @@ def find_surface(power_db, given):
     n_above = AIR_BINS // 2
     first = AIR_BINS + GUARD_BINS - n_above
     power_db = np.pad(power_db, ((n_above, 0), (0, 0)), constant_values=np.nan)
-    snow = _means(power_db, SNOW_BINS)[first + n_above :]
-    rise = np.nan_to_num(snow - _means(power_db, AIR_BINS)[: len(snow)], nan=-np.inf)
+    snow = _means(power_db, SNOW_BINS, LEAST_SNOW_BINS)[first + n_above :]
+    air = _means(power_db, AIR_BINS, LEAST_AIR_BINS)[: len(snow)]
+    rise = np.nan_to_num(snow - air, nan=-np.inf)
     at = first + rise.argmax(axis=0)
     near = at + n_above + np.arange(SNOW_BINS)[:, None]
     near_db = np.take_along_axis(np.nan_to_num(power_db, nan=-np.inf), near, axis=0)
@@ -44,17 +49,19 @@ def find_surface(power_db, given):
     known &= np.isfinite(rise.max(axis=0))
     found[known] = without_outliers(found[known])
     found[~known] = np.nan
+    untold = np.isfinite(snow) & np.isnan(air)
+    rise = np.where(untold, rise.max(axis=0), rise)
     return found, _share_of_rise(rise, given - first)
 
 
-def _means(power_db, n):
-    """Means of `n` bins from each on, (place, range_line), NaN where less than half are known."""
+def _means(power_db, n, n_least):
+    """Means of `n` bins from each on, (place, range_line), NaN where too few are known."""
     present = np.isfinite(power_db)
     start = np.zeros((1, power_db.shape[1]))
     total = np.cumsum(np.r_[start, np.where(present, power_db, 0)], axis=0)
     count = np.cumsum(np.r_[start, present], axis=0)
     count = count[n:] - count[:-n]
-    return np.where(2 * count >= n, total[n:] - total[:-n], np.nan) / np.maximum(count, 1)
+    return np.where(count >= n_least, total[n:] - total[:-n], np.nan) / np.maximum(count, 1)
 
 
 def _share_of_rise(rise, at):

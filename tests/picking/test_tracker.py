@@ -116,15 +116,30 @@ def off_bins(tracker, echogram, surface):
 
 
 @pytest.mark.parametrize("n_looks", [1, 16])
-def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_looks):
+@pytest.mark.parametrize("n_air_bins", [46, 9], ids=["much air", "little air"])
+def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_looks, n_air_bins):
     echogram = with_looks(planted(rng)[0], n_looks, rng)
-    n_bins, n_lines = echogram["Data"].shape
-    recorded = np.arange(n_bins)[:, None] >= 20 + 10 * np.sin(np.arange(n_lines) / 30)
-    echogram["Data"] = echogram["Data"].where(recorded)
-    surface = echogram["Surface"].values.copy()
+    surface = with_slanting_window(echogram, n_air_bins)
     assert not off_bins(tracker, echogram, surface).any()
     echogram["Surface"][:] = np.nan
     assert np.abs(off_bins(tracker, echogram, surface)).max() < 8
+
+
+def test_a_given_surface_stays_where_too_little_air_was_recorded_to_judge_it(tracker, rng):
+    echogram = with_looks(planted(rng)[0], 1, rng)
+    surface = with_slanting_window(echogram, 1)
+    assert not off_bins(tracker, echogram, surface).any()
+
+
+def with_slanting_window(echogram, n_air_bins):
+    """Surface of an echogram [s], above which so few bins and 40 more stay recorded in turn."""
+    surface = echogram["Surface"].values.copy()
+    n_bins, n_lines = echogram["Data"].shape
+    n_above = n_air_bins + 20 + 20 * np.sin(np.arange(n_lines) / 30)
+    first = surface / bin_size_s(echogram) - n_above
+    recorded = np.arange(n_bins)[:, None] >= first
+    echogram["Data"] = echogram["Data"].where(recorded)
+    return surface
 
 
 def test_a_given_surface_stays_where_a_deeper_interface_is_brighter(tracker, frame):
