@@ -284,6 +284,7 @@ def echo_scores(table):
     "--bin-s", type=POSITIVE, help="Range bin of the scenes; else as they tell, or 2.886e-10."
 )
 @click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Of their range lines.")
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Where to train.")
 @over_option
 @seed_option
 def train(sources, model, n_steps, force, **settings):

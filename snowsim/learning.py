@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import torch
+
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count
 from snowsim.progress import shown
@@ -18,7 +20,7 @@ BIN_S = 2.886e-10
 ONE_IN = 10  # one scene in this many is held out for the calibration
 
 
-def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m):
+def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m, device="cpu"):
     """Train a tracker on scenes; write it to `path` as ONNX, and its card beside it.
 
     Parameters
@@ -39,6 +41,8 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         scenes, or `BIN_S` where these have none.
     line_spacing_m : float
         Distance between range lines of the scenes [m], for the card.
+    device : str
+        Where to train, `cpu` or `cuda`.
 
     Returns
     -------
@@ -48,23 +52,27 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     Raises
     ------
     ValueError
-        If there are fewer than 2 scenes, if one cannot be trained on or has another range bin, or
-        if `start` is no tracker.
+        If there are fewer than 2 scenes, if one cannot be trained on or has another range bin, if
+        `start` is no tracker, or if `device` asks for a GPU and there is none.
     """
+    if device == "cuda" and not torch.cuda.is_available():
+        msg = "device cuda: expected a GPU that this build of torch can use, found none"
+        raise ValueError(msg)
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
         begun_with = network_of_tracker(start)
         shape = {"width": begun_with.width, "n_averaged": begun_with.n_averaged}
-    training = Training(Settings(**shape, n_steps=n_steps), seed=seed)
+    training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
     if start is not None:
         load_weights(training.network, begun_with.state_dict(), str(start))
     places = range(len(scenes))
     taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
     steps = train_steps(training, TrainingSet(taken, seed=seed))
-    for _ in shown(steps, n_steps, unit="gradient"):
-        pass
+    with shown(None, n_steps, unit="gradient") as bar:
+        for step, _ in steps:
+            bar.update(step - bar.n)
     network = trained_network(training.network.state_dict(), training.settings)
     held = [scenes[place] for place in places if place % ONE_IN == 0]
     logits = [fused_logits(network, scene.image) for scene in held]

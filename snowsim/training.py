@@ -1,8 +1,10 @@
-"""Parts that the trainings of both networks share: precision, and states to keep and restore."""
+"""Parts that the trainings of both networks share: steps, precision, states to keep and restore."""
 
+import math
 import warnings
 
 import torch
+from torch.utils.data import DataLoader, Dataset
 
 # Names that torch gives to the capability of x86-64 processors without AVX-512.
 WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
@@ -10,6 +12,200 @@ IN_FLOAT32 = (
     "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing in "
     "float32, which moves numbers as another processor does"
 )
+
+READ_EVERY = 50  # [steps] between readings of the losses on a GPU, which wait for the device
+N_WARM_UP = 3  # calls of a step before it is captured, as CUDA graphs ask for
+# Shapes of batches that are captured, 300 heights at four scales; further ones are called.
+MOST_GRAPHS = 1200
+N_AHEAD = 4  # batches that each process makes before they are asked for
+
+
+def is_gpu(device):
+    """Whether a device is a GPU."""
+    return torch.device(device).type == "cuda"
+
+
+class Step:
+    """A step of a training, as a function of a batch; on a GPU it is replayed, not called.
+
+    A step of these networks starts some hundred short kernels, and starting them takes a GPU longer
+    than their arithmetic. There the function is captured as a CUDA graph when a shape of its batch
+    is first met; later batches of that shape are copied to where the graph reads them.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(batch)`` of nested dicts of tensors on the device gives a tensor of losses. What
+        else it changes are tensors of `optimisers`, all in place; it does not wait for the device.
+    optimisers : sequence of torch.optim.Optimizer
+        Of weights that have gradients and moments already: `ready_for_capture`.
+    device : str
+    """
+
+    def __init__(self, function, optimisers, device):
+        self._function = function
+        self._optimisers = optimisers
+        self._device = device
+        self._captured = {}
+        self._pool = torch.cuda.graph_pool_handle() if is_gpu(device) else None
+
+    def __call__(self, batch):
+        """Take the step on a batch, tensors in main memory; its losses, a tensor."""
+        if not is_gpu(self._device):
+            return self._function(batch)
+        shapes = tuple((tensor.shape, tensor.dtype) for tensor in leaves(batch))
+        if shapes not in self._captured:
+            held = on_device(batch, self._device)
+            if len(self._captured) == MOST_GRAPHS:
+                return self._function(held)
+            self._captured[shapes] = self._capture(held)
+        held, graph, losses = self._captured[shapes]
+        for tensor, value in zip(leaves(held), leaves(batch), strict=True):
+            tensor.copy_(value, non_blocking=True)
+        graph.replay()
+        # The next replay writes over them.
+        return losses.clone()
+
+    def _capture(self, held):
+        """The tensors that a graph reads, `held`, the graph, and the losses that it writes."""
+        changed = [tensor for one in self._optimisers for tensor in changed_by(one)]
+        before = [tensor.detach().clone() for tensor in changed]
+        stream = torch.cuda.Stream()
+        stream.wait_stream(torch.cuda.current_stream())
+        with torch.cuda.stream(stream):
+            for _ in range(N_WARM_UP):
+                self._function(held)
+        torch.cuda.current_stream().wait_stream(stream)
+        graph = torch.cuda.CUDAGraph()
+        with torch.cuda.graph(graph, pool=self._pool):
+            losses = self._function(held)
+        # Steps taken to warm up do not count.
+        with torch.no_grad():
+            for tensor, value in zip(changed, before, strict=True):
+                tensor.copy_(value)
+        return held, graph, losses
+
+
+def leaves(batch):
+    """Tensors of nested dicts, in order."""
+    for value in batch.values():
+        if isinstance(value, dict):
+            yield from leaves(value)
+        else:
+            yield value
+
+
+def on_device(batch, device):
+    """Nested dicts of tensors, copied to a device."""
+    if isinstance(batch, dict):
+        return {key: on_device(value, device) for key, value in batch.items()}
+    return batch.detach().to(device)
+
+
+def changed_by(optimiser):
+    """Tensors that an optimiser's step changes: weights, gradients and moments."""
+    for group in optimiser.param_groups:
+        for weight in group["params"]:
+            yield weight
+            if weight.grad is not None:
+                yield weight.grad
+            yield from optimiser.state.get(weight, {}).values()
+
+
+def adaptive(kind, groups, rate, device, **options):
+    """An optimiser of `kind`, torch.optim.Adam or AdamW, whose steps can be captured on a GPU."""
+    if not is_gpu(device):
+        return kind(groups, lr=rate, fused=True, **options)
+    rate = torch.tensor(rate, device=device)
+    optimiser = kind(groups, lr=rate, fused=True, capturable=True, **options)
+    weights = [weight for group in optimiser.param_groups for weight in group["params"]]
+    for weight in weights:
+        # As at the first step, which would make them anew.
+        optimiser.state[weight] = {
+            "step": torch.zeros((), device=device),
+            "exp_avg": torch.zeros_like(weight),
+            "exp_avg_sq": torch.zeros_like(weight),
+        }
+    return optimiser
+
+
+def allocate_gradients(network):
+    """Set all gradients of a network to zeros: a graph adds to these, in place."""
+    for weight in network.parameters():
+        weight.grad = torch.zeros_like(weight)
+
+
+def set_rate(group, rate):
+    """Set the learning rate of a group of an optimiser; a tensor, which a graph reads, in place."""
+    if torch.is_tensor(group["lr"]):
+        group["lr"].fill_(rate)
+    else:
+        group["lr"] = rate
+
+
+class Batches(Dataset):
+    """The batch of every step of a training; a ValueError is given, not raised.
+
+    A process that makes batches would raise it with its traceback as the message.
+    """
+
+    def __init__(self, batch_at):
+        self._batch_at = batch_at
+
+    def __getitem__(self, step):
+        try:
+            return self._batch_at(step)
+        except ValueError as error:
+            return error
+
+
+def batches(batch_at, first, n_steps, *, device, n_workers):
+    """Batches ``batch_at(step)`` of steps `first` to `n_steps`, in order.
+
+    `n_workers` processes make them ahead; 0: they are made when asked for. A batch is a function of
+    its step alone, so both give the same.
+    """
+    ahead = {}
+    if n_workers:
+        # Forked, they share the open files and scenes in memory.
+        ahead = {"prefetch_factor": N_AHEAD, "multiprocessing_context": "fork"}
+    loader = DataLoader(
+        Batches(batch_at),
+        batch_size=None,
+        sampler=range(first, n_steps),
+        num_workers=n_workers,
+        pin_memory=is_gpu(device),
+        **ahead,
+    )
+    for batch in loader:
+        if isinstance(batch, ValueError):
+            raise batch
+        yield batch
+
+
+def taken(training, batch_at, take, names, *, n_workers):
+    """Take the steps that a training still has, each with ``take(batch)``, which gives its losses.
+
+    Yields the number of steps taken and the losses by name: of every step; on a GPU, where reading
+    them waits for the device, the mean since the last, every `READ_EVERY` steps and at the end.
+    FloatingPointError if one is not finite.
+    """
+    n_steps = training.settings.n_steps
+    every = READ_EVERY if is_gpu(training.device) else 1
+    total, n_added = 0, 0
+    ready = batches(batch_at, training.step, n_steps, device=training.device, n_workers=n_workers)
+    for batch in ready:
+        total = total + take(batch)
+        n_added += 1
+        training.step += 1
+        if training.step % every and training.step < n_steps:
+            continue
+        losses = dict(zip(names, (total / n_added).tolist(), strict=True))
+        if not all(map(math.isfinite, losses.values())):
+            msg = f"training diverged at step {training.step}: {losses}"
+            raise FloatingPointError(msg)
+        total, n_added = 0, 0
+        yield training.step, losses
 
 
 def arithmetic(device, precision):

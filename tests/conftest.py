@@ -15,6 +15,15 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.path.name != "test_reruns.py")
 
 
+@pytest.fixture(autouse=True)
+def on_a_gpu(request):
+    """Tests marked `gpu` skip where there is none."""
+    if request.node.get_closest_marker("gpu") is not None:
+        torch = pytest.importorskip("torch")
+        if not torch.cuda.is_available():
+            pytest.skip("no GPU that torch can use")
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(20120429)

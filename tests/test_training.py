@@ -3,13 +3,17 @@
 from dataclasses import asdict, replace
 from itertools import islice
 
+import numpy as np
 import pytest
 import torch
+from toy_scenes import toy_scenes
 from trainings import begun, same, trained
 
 from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
-from snowsim.training import arithmetic
+from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.tracker.published import copy_at
+from snowsim.training import READ_EVERY, arithmetic
 
 CGAN = cgan.Settings(width=4, depth=4, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
@@ -50,6 +54,84 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
     assert [later for _, later in steps] == losses[n_before:]
     assert resumed.step == whole.step
     assert same(resumed.state(), whole.state())
+
+
+@ALL
+def test_processes_that_prepare_inputs_change_no_byte(settings, tmp_path):
+    write_scenes(tmp_path / "scenes.nc", toy_scenes(3), {"source": "toy"})
+    alone, losses = trained(settings)
+    with SceneSet(tmp_path / "scenes.nc") as scenes:
+        beside, found = trained(settings, scenes=scenes, n_workers=2)
+    assert found == losses
+    assert same(alone.state(), beside.state())
+
+
+def test_a_scene_that_cannot_be_trained_on_is_refused_in_one_line_whoever_reads_it():
+    blank = replace(toy_scenes(1)[0], image=np.zeros((96, 64), dtype=np.uint8))
+    for n_workers in (0, 2):
+        with pytest.raises(ValueError, match=r"^scene toy .*: expected a uint8 image[^\n]*$"):
+            trained(TRACKER, scenes=[blank], n_workers=n_workers)
+
+
+def test_gradients_of_the_published_recipe_add_up_as_the_equation_says():
+    """Without the loop, the loader and the step: one update of four copies of scenes."""
+    settings = replace(PUBLISHED, n_steps=4)
+    found, _ = trained(settings)
+    training, _ = begun(settings)
+    shown = tracker.TrainingSet(toy_scenes(3), seed=1)
+    for step in range(4):
+        images, masks = copy_at(step, shown, settings, 1)
+        logits = training.network(training.network.to_input(images))
+        truth = torch.from_numpy(masks)[:, None].float()
+        share = truth.mean()
+        weight = torch.where(truth > 0, 1 - share, share)
+        cost = torch.nn.functional.binary_cross_entropy(
+            torch.sigmoid(logits), truth.expand_as(logits), reduction="none"
+        )
+        (0.25 * (cost * weight).sum()).backward()
+    training.optimiser.step()
+    for one, other in zip(found.network.parameters(), training.network.parameters(), strict=True):
+        # Sums of float32 in another order.
+        torch.testing.assert_close(one, other, rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.gpu
+@ALL
+def test_captured_steps_change_weights_as_called_ones_do(settings, monkeypatch):
+    settings = replace(settings, n_steps=20, precision="float32")
+    start = weights_of(begun(settings)[0])
+    captured = weights_of(trained(settings, device="cuda")[0])
+    monkeypatch.setattr("snowsim.training.MOST_GRAPHS", 0)
+    called = weights_of(trained(settings, device="cuda")[0])
+    # Kernels differ between captured and called steps in the order of their sums alone.
+    apart = (captured - called).norm()
+    assert apart < 1e-3 * (called - start).norm()
+
+
+@pytest.mark.gpu
+@ALL
+def test_a_training_on_a_gpu_goes_on_from_its_state(settings):
+    settings = replace(settings, n_steps=100, precision="float32")
+    whole, losses = trained(settings, device="cuda")
+    broken, steps = begun(settings, device="cuda")
+    step, first = next(steps)
+    assert step == READ_EVERY
+    resumed, steps = begun(settings, device="cuda")
+    resumed.restore(broken.state(), step)
+    assert [number for number, _ in steps] == [2 * READ_EVERY]
+    start = weights_of(begun(settings)[0])
+    moved = (weights_of(whole) - start).norm()
+    # Sums of a GPU are not in the same order every time.
+    assert (weights_of(resumed) - weights_of(whole)).norm() < 1e-2 * moved
+    assert losses[0].keys() == first.keys()
+
+
+def weights_of(training):
+    """All weights of a training, one vector."""
+    state = training.state()
+    names = ["network", "generator", "discriminator"]
+    networks = [state[name] for name in names if name in state]
+    return torch.cat([value.flatten() for network in networks for value in network.values()])
 
 
 def test_a_training_that_diverges_says_so():

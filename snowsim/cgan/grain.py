@@ -1,5 +1,7 @@
 """Grain of a generator's images: noise whose statistics are those of what the images lack."""
 
+from functools import lru_cache
+
 import numpy as np
 import torch
 from scipy.signal import lfilter
@@ -70,8 +72,7 @@ class Grain(nn.Module):
     def covariance(self, lags, distances):
         """That of `change_covariance` in snow, by the weights."""
         weights = self.filter.weight[0, 0, :, 0]
-        of_noise = torch.from_numpy(_covariances(lags, distances))
-        white, texture = of_noise.to(weights)
+        white, texture = _covariances(tuple(lags), tuple(distances), weights.device)
         size = UNIT * self.size.sum()
         noise = white + size**2 * texture
         filtered = torch.einsum("dljk,j,k->dl", noise, weights, weights)
@@ -95,10 +96,11 @@ def correlated(white, length, *, axis):
     return np.moveaxis(filtered, -1, axis)
 
 
-def _covariances(lags, distances):
-    """Of changes of white noise and of the texture, where weights j and k of the filter meet them.
+@lru_cache(maxsize=8)
+def _covariances(lags, distances, device):
+    """Covariances of changes of white noise and of the texture, where weights j and k meet them.
 
-    (2, distance, lag, j, k).
+    A tensor (2, distance, lag, j, k), kept on the device, since a captured step cannot copy it.
     """
     steps = np.arange(N_WEIGHTS)
     lags = np.array(lags)[:, None, None]
@@ -109,7 +111,8 @@ def _covariances(lags, distances):
     changed = 1 - np.exp(-distances / TEXTURE_LINES)
     alike = np.exp(-apart / TEXTURE_BINS)
     texture = changed * alike
-    return np.array([white, texture], dtype=np.float32)
+    both = np.array([white, texture], dtype=np.float32)
+    return torch.from_numpy(both).to(device)
 
 
 def change_covariance(image, held, lags, distances):

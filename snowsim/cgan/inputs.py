@@ -4,8 +4,6 @@ Levels are grey levels of an observed image, or decibels of PHY's mean power. Bo
 of an image, so that they compare once divided by the mean level of the scene's uppermost layer.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from scipy.ndimage import gaussian_filter, uniform_filter1d
@@ -21,22 +19,6 @@ ALONG = 33
 # Standard deviations of the mean that is the level of snow: it shows no single layer.
 LEVEL_BINS, LEVEL_LINES = 10.0, 16.0
 N_CHANNELS = 3 + len(FALLS_BINS)  # of the inputs
-
-
-@dataclass(frozen=True)
-class Batch:
-    """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1].
-
-    `inputs`: what both networks know; `image`: as observed; `noise`: a dict, of any size.
-    """
-
-    inputs: torch.Tensor
-    image: torch.Tensor
-    noise: dict
-
-    def on(self, device):
-        """The same on a device; noise follows when it is needed."""
-        return Batch(self.inputs.to(device), self.image.to(device), self.noise)
 
 
 def expected_image(scene):
@@ -60,18 +42,24 @@ def expected_image(scene):
     return to_db(1 + power / echoes.noise_power) + DB_BELOW_NOISE_FLOOR
 
 
-def known_map(image, layer_bins):
+def snow_level(image):
+    """Level of snow at each pixel of an image: a Gaussian mean over all that lies there."""
+    return gaussian_filter(image.astype(float), (LEVEL_BINS, LEVEL_LINES), mode="nearest")
+
+
+def known_map(image, layer_bins, of_snow):
     """What is known of each pixel, float32 (range_bin, range_line, 1 + `N_CHANNELS`).
 
     First the number of layers above. Then the inputs of the networks: the level of a layer in its
     own pixels, else -1; depth below the uppermost layer in four channels, bounded, so that deeper
-    than what was trained on looks much like the deepest that was; the level of snow, a Gaussian
-    mean over all that lies there. Levels of 0 and of the uppermost layer become -1 and 1. They are
-    those of `image`, observed or as `expected_image` gives it. Where a range line lacks a layer
-    that others have, it is straight between its neighbours. At least one layer must be there.
+    than what was trained on looks much like the deepest that was; the level of snow, `of_snow`, as
+    `snow_level` gives it. Levels of 0 and of the uppermost layer become -1 and 1. They are those of
+    `image`, observed or as `expected_image` gives it. Where a range line lacks a layer that others
+    have, it is straight between its neighbours. At least one layer must be there.
     """
     n_range_bins = len(image)
-    of_layers, of_snow = _levels(image, layer_bins)
+    of_layers, scale = _levels(image, layer_bins)
+    of_snow = of_snow / scale
     rows = np.arange(n_range_bins)[:, None]
     whole = np.rint(_without_gaps(layer_bins))
     n_above = sum(rows >= row for row in whole)
@@ -114,9 +102,9 @@ def _without_gaps(layer_bins):
 
 
 def _levels(image, layer_bins):
-    """Levels of layers (layer, range_line) and of snow (range_bin, range_line).
+    """Levels of layers (layer, range_line), by the mean of the uppermost, and that mean.
 
-    By the mean of the uppermost layer; along a layer means of `ALONG` range lines.
+    Along a layer they are means of `ALONG` range lines.
     """
     held = np.isfinite(layer_bins)
     rows = np.rint(np.where(held, layer_bins, 0)).astype(int)
@@ -128,5 +116,4 @@ def _levels(image, layer_bins):
     of_layers = total / np.maximum(n, 1 / ALONG)
     first = held.any(axis=1).argmax()
     scale = max(of_layers[first][held[first]].mean(), 1.0)
-    of_snow = gaussian_filter(image.astype(float), (LEVEL_BINS, LEVEL_LINES), mode="nearest")
-    return of_layers / scale, of_snow / scale
+    return of_layers / scale, scale

@@ -9,9 +9,16 @@ from torch import nn
 from torch.nn import functional
 
 from snowsim.cgan.grain import Grain
-from snowsim.cgan.inputs import N_CHANNELS, Batch, expected_image, inputs_of, is_snow, known_map
+from snowsim.cgan.inputs import (
+    N_CHANNELS,
+    expected_image,
+    inputs_of,
+    is_snow,
+    known_map,
+    snow_level,
+)
 from snowsim.cgan.networks import Norm, PatchDiscriminator, ResizeConvolution, UNet, update
-from snowsim.patches import draw_patches, to_signed
+from snowsim.patches import check_trainable, draw_patches, to_signed
 from snowsim.training import arithmetic
 
 
@@ -74,11 +81,22 @@ def learning_rate(settings, step):
     return settings.learning_rate * min(1.0, share_left)
 
 
-def draw_batch(generator, scene, settings, *, rng):
-    """`Batch` of a random crop of a scene, turned left to right half of the time."""
+def prepared(scene, settings):
+    """What all batches of a scene share: the scene, and the level of its snow."""
+    check_trainable(scene)
+    return scene, snow_level(scene.image)
+
+
+def draw_batch(generator, ready, settings, *, rng):
+    """Batch of a random crop of a scene, as `prepared`, turned left to right half of the time.
+
+    Tensors (patch, channel, range_bin, range_line): `inputs`, what both networks know, and `image`,
+    as observed, in [-1, 1]; `noise`, a dict.
+    """
+    scene, of_snow = ready
 
     def known(scene, layer_bins, _):
-        return known_map(scene.image, layer_bins)
+        return known_map(scene.image, layer_bins, of_snow)
 
     size = (settings.n_range_bins, settings.n_range_lines)
     image, _, crop = draw_patches([scene], *size, known=known, rng=rng)
@@ -87,38 +105,41 @@ def draw_batch(generator, scene, settings, *, rng):
     dither = rng.random(image.shape, dtype=np.float32) - np.float32(0.5)
     observed = to_signed(image) + torch.from_numpy(dither[:, None] / 127.5)
     inputs, slabs = inputs_of(crop)
-    return Batch(inputs, observed, generator.draw_noise(slabs, rng=rng))
+    noise = generator.draw_noise(slabs, rng=rng)
+    return {"inputs": inputs, "image": observed, "noise": noise}
 
 
 def take_step(training, batch):
     """Update both networks, and the grain, on one batch; the losses before."""
     generator = training.generator
+    known, observed, noise = (batch[name] for name in ("inputs", "image", "noise"))
 
     def decide_both(image):
         with arithmetic(training.device, training.settings.precision):
             # Normalised together: by themselves, renders of twice the contrast are the same to it.
-            inputs = torch.cat([batch.inputs, batch.inputs])
-            images = torch.cat([batch.image, image])
+            inputs = torch.cat([known, known])
+            images = torch.cat([observed, image])
             return training.discriminator(inputs, images).chunk(2)
 
     def decide_rendered(image):
         return decide_both(image)[1]
 
     with arithmetic(training.device, training.settings.precision):
-        rendered = generator(batch.inputs, batch.noise)
+        rendered = generator(known, noise)
     rendered = rendered.float()
     # Before grain is added: the least error is an image without any. Grain has the moments of what
     # the image lacks, not its pixels.
-    l1 = functional.l1_loss(rendered, batch.image)
-    lacking = (batch.image - rendered).detach()
-    generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
-    rendered = rendered + generator.grain(batch.noise).detach()
+    l1 = functional.l1_loss(rendered, observed)
+    lacking = (observed - rendered).detach()
+    generator.grain.mismatch(lacking, is_snow(known)).backward()
+    rendered = rendered + generator.grain(noise).detach()
     return update(training, rendered, l1, decide_both, decide_rendered)
 
 
 def render_image(generator, scene, settings, *, rng):
     """Image of a scene with echoes, float tensor (range_bin, range_line) in [-1, 1]."""
-    known = known_map(expected_image(scene), scene.layer_bins)
+    expected = expected_image(scene)
+    known = known_map(expected, scene.layer_bins, snow_level(expected))
     inputs, slabs = inputs_of(known[None])
     noise = generator.draw_noise(slabs, rng=rng)
     device = next(generator.parameters()).device

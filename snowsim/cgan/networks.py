@@ -10,6 +10,7 @@ from torch.nn import functional
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
 EPSILON = 1e-5
 MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
+LOSSES = ("discriminator_real", "discriminator_fake", "generator_adversarial", "l1")
 L1_WEIGHT = 100.0  # of the generator's loss, pix2pix
 # Normalisation by the images at hand, in training and in rendering.
 batch_norm = partial(nn.BatchNorm2d, track_running_stats=False)
@@ -159,12 +160,7 @@ def update(training, rendered, l1, decide_both, decide_rendered):
     (adversarial + L1_WEIGHT * l1).backward()
     training.optimisers["generator_adam"].step()
     discriminator.requires_grad_(True)
-    return {
-        "discriminator_real": on_real,
-        "discriminator_fake": on_fake,
-        "generator_adversarial": adversarial,
-        "l1": l1,
-    }
+    return dict(zip(LOSSES, (on_real, on_fake, adversarial, l1), strict=True))
 
 
 def adversarial_loss(logits, target):

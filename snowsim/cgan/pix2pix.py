@@ -7,7 +7,6 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from snowsim.cgan.inputs import Batch
 from snowsim.cgan.networks import PatchDiscriminator, UNet, batch_norm, update
 from snowsim.patches import check_trainable, to_signed
 from snowsim.training import arithmetic
@@ -63,41 +62,48 @@ def resized(images, size):
     return functional.interpolate(images, size=size, mode="bilinear", antialias=True)
 
 
-def jittered(scene, settings, *, rng):
-    """Mask and image of a scene in [-1, 1], resized to more than the crop, cut and mirrored.
+def prepared(scene, settings):
+    """Mask and image of a scene in [-1, 1], resized to more than the crop.
 
     (2, 1, range_bin, range_line).
     """
     check_trainable(scene)
-    sizes = (settings.n_range_bins, settings.n_range_lines)
-    enlarged = [round(ENLARGED * size) for size in sizes]
+    enlarged = [round(ENLARGED * size) for size in (settings.n_range_bins, settings.n_range_lines)]
     pair = torch.cat([to_signed(scene.mask()[None]), to_signed(scene.image[None])])
-    whole = resized(pair, enlarged)
+    return resized(pair, enlarged)
+
+
+def jittered(whole, settings, *, rng):
+    """A random crop of mask and image as `prepared`, turned left to right half of the time."""
+    sizes = (settings.n_range_bins, settings.n_range_lines)
+    enlarged = whole.shape[2:]
     row, line = (int(rng.integers(n + 1 - size)) for n, size in zip(enlarged, sizes, strict=True))
     crop = whole[..., row : row + sizes[0], line : line + sizes[1]]
     return crop.flip(-1) if rng.random() < 0.5 else crop
 
 
-def draw_batch(generator, scene, settings, *, rng):
-    """`Batch` of one scene."""
-    inputs, image = jittered(scene, settings, rng=rng)[:, None]
-    return Batch(inputs, image, generator.draw_noise(inputs.shape, rng=rng))
+def draw_batch(generator, ready, settings, *, rng):
+    """Batch of one scene as `prepared`, as that of `snowsim.cgan.measured.draw_batch`."""
+    inputs, image = jittered(ready, settings, rng=rng)[:, None]
+    noise = generator.draw_noise(inputs.shape, rng=rng)
+    return {"inputs": inputs, "image": image, "noise": noise}
 
 
 def take_step(training, batch):
     """Update both networks on one batch; the losses before."""
+    masks, observed = batch["inputs"], batch["image"]
 
     def decide(image):
         with arithmetic(training.device, training.settings.precision):
-            return training.discriminator(batch.inputs, image)
+            return training.discriminator(masks, image)
 
     def decide_both(image):
-        return decide(batch.image), decide(image)
+        return decide(observed), decide(image)
 
     with arithmetic(training.device, training.settings.precision):
-        rendered = training.generator(batch.inputs, batch.noise)
-    rendered = rendered.to(batch.image)
-    l1 = functional.l1_loss(rendered, batch.image)
+        rendered = training.generator(masks, batch["noise"])
+    rendered = rendered.to(observed)
+    l1 = functional.l1_loss(rendered, observed)
     return update(training, rendered, l1, decide_both, decide)
 
 

@@ -2,18 +2,28 @@
 
 from functools import lru_cache
 
-import numpy as np
 import torch
 
 from snowsim.cgan import measured, pix2pix
-from snowsim.cgan.networks import initialise
+from snowsim.cgan.networks import LOSSES, initialise
 from snowsim.limits import check_count
 from snowsim.patches import draw_index
 from snowsim.seeding import random_stream
-from snowsim.training import load_moments, load_weights, moments_of, on_cpu
+from snowsim.training import (
+    Step,
+    adaptive,
+    allocate_gradients,
+    is_gpu,
+    load_moments,
+    load_weights,
+    moments_of,
+    on_cpu,
+    set_rate,
+    taken,
+)
 
 RECIPES = {"measured": measured, "pix2pix": pix2pix}  # modules, by `Settings.method`
-N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
+N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 1 MB
 BETAS = (0.5, 0.999)  # of Adam, pix2pix
 ADAM_BYTES = 16  # of a weight: itself, its gradient and two moments, float32
 
@@ -35,8 +45,11 @@ class Training:
         for name, network in self._networks().items():
             initialise(network, rng=random_stream(seed, "cgan", name))
             network.to(device=device, memory_format=torch.channels_last)
-            options = {"lr": settings.learning_rate, "betas": BETAS, "fused": True}
-            self.optimisers[f"{name}_adam"] = torch.optim.Adam(network.parameters(), **options)
+            rate = settings.learning_rate
+            adam = adaptive(torch.optim.Adam, network.parameters(), rate, device, betas=BETAS)
+            self.optimisers[f"{name}_adam"] = adam
+            if is_gpu(device):
+                allocate_gradients(network)
 
     def _networks(self):
         return {"generator": self.generator, "discriminator": self.discriminator}
@@ -73,37 +86,47 @@ def least_bytes(settings):
     return ADAM_BYTES * n_weights
 
 
-def train_steps(training, scenes):
+def train_steps(training, scenes, *, n_workers=0):
     """Train from where `training` is to its last step; yields steps taken and losses of each.
 
     A step shows one scene, drawn without replacement until all were seen, and updates the
     discriminator, then the generator. Losses are those of `snowsim.cgan.networks.update`; `l1` is a
-    share of half the grey range. ValueError without scenes or for one not trainable;
-    FloatingPointError if a loss is not finite.
+    share of half the grey range. On a GPU they are given every 50 steps, means of these.
+    `n_workers` processes prepare inputs ahead; results do not depend on it. ValueError without
+    scenes or for one not trainable; FloatingPointError if a loss is not finite.
     """
     check_count("scenes to train on", len(scenes))
-    held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
-    while training.step < training.settings.n_steps:
-        number = draw_index(len(scenes), training.step, training.seed, "cgan", "scenes")
-        losses = _take_step(training, held(number))
-        training.step += 1
-        if not np.isfinite(list(losses.values())).all():
-            msg = f"training diverged at step {training.step}: {losses}"
-            raise FloatingPointError(msg)
-        yield training.step, losses
-
-
-def _take_step(training, scene):
-    """Take the next step; its losses, numbers."""
     settings = training.settings
     recipe = RECIPES[settings.method]
-    rate = recipe.learning_rate(settings, training.step)
-    for optimiser in training.optimisers.values():
-        for group in optimiser.param_groups:
-            group["lr"] = rate
-        optimiser.zero_grad(set_to_none=True)
-    rng = random_stream(training.seed, "cgan", "step", training.step)
-    batch = recipe.draw_batch(training.generator, scene, settings, rng=rng)
-    losses = recipe.take_step(training, batch.on(training.device))
-    values = torch.stack(list(losses.values())).tolist()
-    return dict(zip(losses, values, strict=True))
+
+    @lru_cache(maxsize=N_SCENES_HELD)
+    def held(number):
+        return recipe.prepared(scenes[number], settings)
+
+    if n_workers:
+        # Read before the processes start, which then share them.
+        for number in range(min(len(scenes), N_SCENES_HELD)):
+            held(number)
+
+    def batch_at(step):
+        number = draw_index(len(scenes), step, training.seed, "cgan", "scenes")
+        rng = random_stream(training.seed, "cgan", "step", step)
+        return recipe.draw_batch(training.generator, held(number), settings, rng=rng)
+
+    def update_both(batch):
+        for optimiser in optimisers:
+            optimiser.zero_grad(set_to_none=not is_gpu(training.device))
+        losses = recipe.take_step(training, batch)
+        return torch.stack([losses[name] for name in LOSSES]).detach()
+
+    optimisers = list(training.optimisers.values())
+    step = Step(update_both, optimisers, training.device)
+
+    def take(batch):
+        rate = recipe.learning_rate(settings, training.step)
+        for optimiser in optimisers:
+            for group in optimiser.param_groups:
+                set_rate(group, rate)
+        return step(batch)
+
+    yield from taken(training, batch_at, take, LOSSES, n_workers=n_workers)

@@ -13,7 +13,7 @@ from snowsim.patches import whole_copy
 from snowsim.tracker.loss import balanced_cross_entropy
 from snowsim.tracker.network import STAGES, MultiScaleNetwork, enlarge
 from snowsim.tracker.sampling import copy_shown
-from snowsim.training import arithmetic
+from snowsim.training import Step, arithmetic
 
 MOMENTUM = 0.9
 # Factors of the learning rate of the last stage, the sides and the fuse. Biases learn at twice the
@@ -62,7 +62,7 @@ class PublishedNetwork(MultiScaleNetwork):
                 parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
 
 
-def published_optimiser(network, settings):
+def published_optimiser(network, settings, _):
     """Stochastic gradient descent with one group for each rate and decay.
 
     Parameters of equal rate and decay share a group: an update calls the optimiser once a group,
@@ -115,25 +115,39 @@ def cost_of_probabilities(logits, layer):
     return functional.binary_cross_entropy(probability, truth, reduction="none")
 
 
-def published_gradient(training, scenes):
-    """Add the gradient of the next scaled or mirrored scene to a sum, and update when it is full.
+def published_training(training, scenes):
+    """The batch of every step, a scaled or mirrored scene, and the function that takes it.
 
-    An update follows `n_accumulated` gradients, counted anew in every epoch; gradients left over at
-    the end of an epoch stay in the sum. Returns the loss per pixel of each output, (output,),
-    before the update. ValueError if an epoch has too few gradients for one update.
+    A step adds a gradient to a sum. An update follows `n_accumulated` gradients, counted anew in
+    every epoch; gradients left over at the end of an epoch stay in the sum. ValueError if an epoch
+    has too few gradients for one update.
     """
     settings = training.settings
     n_per_epoch = settings.n_copies * scenes.n_per_epoch
-    check_count("gradients of an epoch", n_per_epoch, settings.n_accumulated)
-    images, masks = copy_at(training.step, scenes, settings, training.seed)
-    masks = torch.from_numpy(masks).to(training.device)
-    with arithmetic(training.device, settings.precision):
-        logits = training.network(training.network.to_input(images).to(training.device))
-    per_output = balanced_cross_entropy(logits, masks, cost=cost_of_probabilities)
-    (per_output.sum() / settings.n_accumulated).backward()
-    epoch, within = divmod(training.step, n_per_epoch)
-    if (within + 1) % settings.n_accumulated == 0:
-        n_updates = epoch * (n_per_epoch // settings.n_accumulated)
-        n_updates += within // settings.n_accumulated
-        training.update(published_rate(settings, n_updates, epoch))
-    return per_output.detach() / masks[0].numel()
+    n_accumulated = settings.n_accumulated
+    check_count("gradients of an epoch", n_per_epoch, n_accumulated)
+
+    def batch_at(step):
+        images, masks = copy_at(step, scenes, settings, training.seed)
+        return {"image": training.network.to_input(images), "mask": torch.from_numpy(masks)}
+
+    def gradient(batch):
+        """Add a gradient to the sum; the loss per pixel of each output, (output,)."""
+        with arithmetic(training.device, settings.precision):
+            logits = training.network(batch["image"])
+        per_output = balanced_cross_entropy(logits, batch["mask"], cost=cost_of_probabilities)
+        (per_output.sum() / n_accumulated).backward()
+        return per_output.detach() / batch["mask"][0].numel()
+
+    step = Step(gradient, [training.optimiser], training.device)
+
+    def take(batch):
+        losses = step(batch)
+        epoch, within = divmod(training.step, n_per_epoch)
+        if (within + 1) % n_accumulated == 0:
+            n_updates = epoch * (n_per_epoch // n_accumulated) + within // n_accumulated
+            training.set_rate(published_rate(settings, n_updates, epoch))
+            training.update()
+        return losses
+
+    return batch_at, take

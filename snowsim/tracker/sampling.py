@@ -7,7 +7,7 @@ from snowsim.limits import check_count
 from snowsim.patches import draw_index
 
 PAPER_SCENES_PER_REAL = 1500 / 2360  # synthetic scenes of each set; Yari et al. (2021)
-N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
+N_SCENES_HELD = 2500  # real scenes kept in memory, each about .2 MB
 
 
 class Completed:
@@ -65,6 +65,11 @@ class TrainingSet:
             check_count("added scenes an epoch", self._n_added)
         self._seed = seed
         self.n_per_epoch = len(real) + len(added) * self._n_added
+
+    def hold(self):
+        """Read the real scenes, before processes that share them start."""
+        for number in range(min(len(self._sets[0]), N_SCENES_HELD)):
+            self._held(number)
 
     def source(self, position):
         """Numbers (set, scene) of the scene at `position`; set 0 is the real one."""

@@ -9,8 +9,20 @@ from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream
 from snowsim.tracker.loss import balanced_cross_entropy
 from snowsim.tracker.network import MultiScaleNetwork
-from snowsim.tracker.published import PublishedNetwork, published_gradient, published_optimiser
-from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
+from snowsim.tracker.published import PublishedNetwork, published_optimiser, published_training
+from snowsim.training import (
+    Step,
+    adaptive,
+    allocate_gradients,
+    arithmetic,
+    is_gpu,
+    load_moments,
+    load_weights,
+    moments_of,
+    on_cpu,
+    set_rate,
+    taken,
+)
 
 WARM_UP = 0.1  # share of the steps during which the learning rate rises
 
@@ -58,24 +70,29 @@ class Training:
         self.network.to(device=device, memory_format=torch.channels_last)
         is_published = settings.network == "published"
         make = published_optimiser if is_published else optimiser_of
-        self._optimiser = make(self.network, settings)
+        self.optimiser = make(self.network, settings, device)
+        if is_gpu(device):
+            allocate_gradients(self.network)
 
     def state(self):
         """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
         gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
         state = {
             "network": self.network.state_dict(),
-            "optimiser": moments_of(self._optimiser),
+            "optimiser": moments_of(self.optimiser),
             "gradient": {name: sums for name, sums in gradients.items() if sums is not None},
         }
         return on_cpu(state)
 
-    def update(self, rate):
-        """Change the weights by the summed gradients, at a rate relative to the highest."""
-        for group in self._optimiser.param_groups:
-            group["lr"] = group["highest"] * rate
-        self._optimiser.step()
-        self._optimiser.zero_grad(set_to_none=True)
+    def set_rate(self, rate):
+        """Set the learning rate of the next update, relative to the highest."""
+        for group in self.optimiser.param_groups:
+            set_rate(group, group["highest"] * rate)
+
+    def update(self):
+        """Change the weights by the summed gradients, which are then empty, on a GPU zeros."""
+        self.optimiser.step()
+        self.optimiser.zero_grad(set_to_none=not is_gpu(self.device))
 
     def restore(self, state, step):
         """Go on from a `state`, as arrays, that was kept after `step` steps.
@@ -83,7 +100,7 @@ class Training:
         ValueError if other settings made it.
         """
         load_weights(self.network, state.get("network", {}), "tracker")
-        load_moments(self._optimiser, state.get("optimiser", {}))
+        load_moments(self.optimiser, state.get("optimiser", {}))
         gradients = state.get("gradient", {})
         for name, parameter in self.network.named_parameters():
             if name in gradients:
@@ -91,7 +108,7 @@ class Training:
         self.step = step
 
 
-def train_steps(training, scenes):
+def train_steps(training, scenes, *, n_workers=0):
     """Train from where `training` is to its last step, one gradient at a time.
 
     Parameters
@@ -100,48 +117,62 @@ def train_steps(training, scenes):
         Changed in place; between two steps its `state` may be saved.
     scenes : TrainingSet
         Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end;
-        the published recipe also needs `n_per_epoch`. ValueError if a scene has no image or no
-        contrast, or no layer, which the published recipe allows.
+        the published recipe also needs `n_per_epoch`, and workers `hold`. ValueError if a scene has
+        no image or no contrast, or no layer, which the published recipe allows.
+    n_workers : int
+        Processes that prepare crops ahead, for a GPU; results do not depend on it.
 
     Yields
     ------
     step : int
-        Gradients taken, counted from 1.
+        Gradients taken, counted from 1; on a GPU every 50 and the last.
     losses : dict of float
-        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and their sum `total`;
-        FloatingPointError if it is not finite.
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and their sum `total`, of this
+        step; on a GPU means since the last that was given. FloatingPointError if one is not finite.
     """
     settings = training.settings
-    take = published_gradient if settings.network == "published" else gradient
-    while training.step < settings.n_steps:
-        per_pixel = take(training, scenes).tolist()
-        training.step += 1
-        losses = dict(zip(OUTPUTS, per_pixel, strict=True)) | {"total": sum(per_pixel)}
-        if not math.isfinite(losses["total"]):
-            msg = f"training diverged at step {training.step}: loss {losses['total']}"
-            raise FloatingPointError(msg)
-        yield training.step, losses
+    if n_workers:
+        scenes.hold()
+    if settings.network == "published":
+        batch_at, take = published_training(training, scenes)
+    else:
+        batch_at, take = small_training(training, scenes)
+    for step, losses in taken(training, batch_at, take, OUTPUTS, n_workers=n_workers):
+        yield step, losses | {"total": sum(losses.values())}
 
 
-def gradient(training, scenes):
-    """Update by the gradient of crops of the next scenes; the losses per pixel before (output,)."""
+def small_training(training, scenes):
+    """The batch of every step by the small recipe, random crops, and the function that takes it."""
     settings = training.settings
-    first = training.step * settings.batch_size
-    images, masks = draw_patches(
-        [scenes[first + place] for place in range(settings.batch_size)],
-        settings.n_range_bins,
-        settings.n_range_lines,
-        flip=settings.flip,
-        rng=random_stream(training.seed, "tracker", "step", training.step),
-    )
-    masks = torch.from_numpy(masks).to(training.device)
-    with arithmetic(training.device, settings.precision):
-        logits = training.network(training.network.to_input(images).to(training.device))
-    per_output = balanced_cross_entropy(logits, masks, layer_share=settings.layer_share)
-    per_pixel = per_output / masks[0].numel()
-    per_pixel.sum().backward()
-    training.update(rate_factor(settings, training.step))
-    return per_pixel.detach()
+
+    def batch_at(step):
+        first = step * settings.batch_size
+        images, masks = draw_patches(
+            [scenes[first + place] for place in range(settings.batch_size)],
+            settings.n_range_bins,
+            settings.n_range_lines,
+            flip=settings.flip,
+            rng=random_stream(training.seed, "tracker", "step", step),
+        )
+        return {"image": training.network.to_input(images), "mask": torch.from_numpy(masks)}
+
+    def gradient(batch):
+        """Update by the gradient of a batch; the losses per pixel before, (output,)."""
+        with arithmetic(training.device, settings.precision):
+            logits = training.network(batch["image"])
+        per_output = balanced_cross_entropy(logits, batch["mask"], layer_share=settings.layer_share)
+        per_pixel = per_output / batch["mask"][0].numel()
+        per_pixel.sum().backward()
+        training.update()
+        return per_pixel.detach()
+
+    step = Step(gradient, [training.optimiser], training.device)
+
+    def take(batch):
+        training.set_rate(rate_factor(settings, training.step))
+        return step(batch)
+
+    return batch_at, take
 
 
 def rate_factor(settings, step):
@@ -152,9 +183,9 @@ def rate_factor(settings, step):
     return 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
 
 
-def optimiser_of(network, settings):
+def optimiser_of(network, settings, device):
     """AdamW with one rate and one decay for all weights."""
     rate = settings.learning_rate
     group = {"params": list(network.parameters()), "highest": rate}
     decay = settings.weight_decay
-    return torch.optim.AdamW([group], lr=rate, weight_decay=decay, fused=True)
+    return adaptive(torch.optim.AdamW, [group], rate, device, weight_decay=decay)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, with_echoes
 
-from snowsim.cgan.inputs import expected_image, inputs_of, known_map
+from snowsim.cgan.inputs import expected_image, inputs_of, known_map, snow_level
 from snowsim.echogram import to_uint8
 from snowsim.phy import render
 
@@ -15,7 +15,8 @@ def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
     power = render(echoes.bins, echoes.parameters(), 160, rng=rng, exact=True)
     image = to_uint8(power)[0]
     expected, observed = (
-        known_map(levels, scene.layer_bins) for levels in (expected_image(scene), image)
+        known_map(levels, scene.layer_bins, snow_level(levels))
+        for levels in (expected_image(scene), image)
     )
     # The same of depths and slabs, which do not depend on levels.
     assert_allclose(expected[..., [0, 2, 3, 4, 5]], observed[..., [0, 2, 3, 4, 5]], atol=0)
@@ -32,7 +33,7 @@ def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_ther
     scene = toy_scene(1)
     gap = scene.layer_bins.copy()
     gap[1, 20:30] = np.nan
-    known = known_map(scene.image, gap)
+    known = known_map(scene.image, gap, snow_level(scene.image))
     inputs, slabs = inputs_of(known[None])
     assert inputs.shape == (1, 6, 96, 64)
     assert (np.diff(slabs[0], axis=0) >= 0).all()

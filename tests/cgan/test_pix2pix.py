@@ -11,8 +11,7 @@ from toy_scenes import toy_scene
 from trainings import trained
 
 from snowsim.cgan import Training, networks_of, render
-from snowsim.cgan.inputs import Batch
-from snowsim.cgan.pix2pix import Generator, draw_batch, jittered, take_step
+from snowsim.cgan.pix2pix import Generator, draw_batch, jittered, prepared, take_step
 from snowsim.settings.cgan import PAPER
 
 FULL = replace(PAPER, width=64)
@@ -29,10 +28,10 @@ def test_an_update_follows_the_equation_of_the_paper(rng):
     training = Training(SMALL, seed=1)
     for network in (training.generator, training.discriminator):
         network.double()
-    batch = draw_batch(training.generator, toy_scene(2), SMALL, rng=rng)
-    batch = Batch(batch.inputs.double(), batch.image.double(), batch.noise)
+    batch = draw_batch(training.generator, prepared(toy_scene(2), SMALL), SMALL, rng=rng)
+    masks, observed, noise = batch["inputs"].double(), batch["image"].double(), batch["noise"]
     generator, discriminator = map(copy.deepcopy, (training.generator, training.discriminator))
-    found = take_step(training, batch)
+    found = take_step(training, {"inputs": masks, "image": observed, "noise": noise})
 
     def step(network, loss):
         weights = list(network.parameters())
@@ -42,15 +41,15 @@ def test_an_update_follows_the_equation_of_the_paper(rng):
             weight.data -= SMALL.learning_rate * gradient / (gradient.abs() + 1e-8)
 
     def said(image):
-        return torch.sigmoid(discriminator(batch.inputs, image))
+        return torch.sigmoid(discriminator(masks, image))
 
-    rendered = generator(batch.inputs, batch.noise)
-    on_real = -torch.log(said(batch.image)).mean()
+    rendered = generator(masks, noise)
+    on_real = -torch.log(said(observed)).mean()
     on_fake = -torch.log(1 - said(rendered)).mean()
     step(discriminator, (on_real + on_fake) / 2)
     # By the discriminator's new weights.
     adversarial = -torch.log(said(rendered)).mean()
-    l1 = (batch.image - rendered).abs().mean()
+    l1 = (observed - rendered).abs().mean()
     step(generator, adversarial + 100 * l1)
     expected = [loss.item() for loss in (on_real, on_fake, adversarial, l1)]
     # Rounding of float64.
@@ -70,7 +69,8 @@ def test_jitter_cuts_every_window_of_the_enlarged_scene_and_mirrors_half_of_them
         for line in range(5):
             window = whole[:, row : row + 32, line : line + 32]
             windows += [window, window[:, :, ::-1]]
-    drawn = [jittered(scene, SMALL, rng=rng)[:, 0].numpy() for _ in range(600)]
+    whole = prepared(scene, SMALL)
+    drawn = [jittered(whole, SMALL, rng=rng)[:, 0].numpy() for _ in range(600)]
     apart = np.array([[np.abs(crop - window).max() for window in windows] for crop in drawn])
     # In float32; of 50 windows in 600 draws one is missed with a probability of 3e-4.
     assert_array_equal((apart < 1e-6).sum(axis=1), 1)

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 from result_tables import OUTPUTS, SETS
+from runs import TINY, run_snakemake
 
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
@@ -74,3 +75,11 @@ def test_every_figure_of_the_default_run_is_on_the_page(tiny_run, page):
     assert sorted(shown) == sorted({figure.stem for figure in figures})
     for figure in figures:
         assert figure.with_suffix(".png").is_file()
+
+
+@pytest.mark.gpu
+def test_the_tiny_run_trains_and_renders_on_a_gpu(tmp_path):
+    on_gpu = tmp_path / "gpu.yaml"
+    on_gpu.write_text("{cgan: {device: cuda}, tracker: {device: cuda}}")
+    run_snakemake(tmp_path, "--resources", "gpu=1", configs=(*TINY, on_gpu))
+    assert len(pd.read_csv(tmp_path / "results/tables/table3.csv")) == len(OUTPUTS)

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from lib.training import TrainingRun, check_memory, enough_memory
+from lib.training import TrainingRun, check_memory, enough_memory, n_workers
 from snowsim.cgan import Settings, Training, least_bytes, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
@@ -23,7 +23,17 @@ logger = logging.getLogger("snowsim")
 
 
 def train(
-    scenes, generator, losses, *, settings, seed, device, checkpoint, checkpoint_steps, events
+    scenes,
+    generator,
+    losses,
+    *,
+    settings,
+    seed,
+    device,
+    checkpoint,
+    checkpoint_steps,
+    events,
+    threads=1,
 ):
     """Train on files of scenes, from the checkpoint where there is one; leave the last weights."""
     settings = Settings(**settings)
@@ -34,8 +44,9 @@ def train(
         training = Training(settings, seed=seed, device=device)
         unfinished = {"kind": "unfinished cgan training", **made_of}
         kept = {"every_steps": checkpoint_steps, "path_to_events": events}
+        steps = train_steps(training, observed, n_workers=n_workers(device, threads))
         with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
-            taken.take(train_steps(training, observed), settings.n_steps, "cGAN")
+            taken.take(steps, settings.n_steps, "cGAN")
             note_saturation(taken.losses())
             # Within the block: only a training whose files are written needs no checkpoint.
             write_table(losses, taken.losses())

@@ -3,7 +3,7 @@
 import dataclasses
 from contextlib import ExitStack
 
-from lib.training import TrainingRun, enough_memory
+from lib.training import TrainingRun, enough_memory, n_workers
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet
@@ -37,6 +37,7 @@ def compose(
 def train(
     real, phy, cgan, network, losses,
     *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
+    threads=1,
 ):  # fmt: skip
     """Train one tracker on the files of its training set, from its checkpoint if there is one.
 
@@ -59,8 +60,9 @@ def train(
         training = Training(settings, seed=seed, device=device)
         unfinished = {"kind": "unfinished tracker training", **made_of}
         kept = {"every_steps": checkpoint_steps, "path_to_events": events}
+        steps = train_steps(training, scenes, n_workers=n_workers(device, threads))
         with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
-            taken.take(train_steps(training, scenes), settings.n_steps, "tracker")
+            taken.take(steps, settings.n_steps, "tracker")
             n_shown = training.step * settings.batch_size
             epochs = n_shown / (settings.n_copies * scenes.n_per_epoch)
             metadata = {"kind": "tracker", **made_of, "step": training.step, "epochs": epochs}

@@ -15,11 +15,17 @@ from torch.utils.tensorboard import SummaryWriter
 from lib.progress import available_memory_mb, progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
+from snowsim.training import is_gpu
 
 LOGGED_EVERY = 10  # [steps] between events for TensorBoard
 SHOWN_EVERY = 50  # [steps] between losses beside the progress bar
 
 logger = logging.getLogger("snowsim")
+
+
+def n_workers(device, threads):
+    """Processes that prepare inputs beside a GPU: one for each other thread of the job."""
+    return threads - 1 if is_gpu(device) else 0
 
 
 class TrainingRun:
@@ -64,15 +70,18 @@ class TrainingRun:
     def take(self, steps, n_steps, description):
         """Take the remaining `steps` of `n_steps` beside a progress bar."""
         bar = progress(None, description, total=n_steps, initial=self.training.step)
+        saved = self.training.step
         for step, losses in steps:
             self._losses.append({"step": step, **losses})
             self._log(losses, step)
             if step % SHOWN_EVERY == 0:
                 shown = ", ".join(f"{name}={value:.4g}" for name, value in losses.items())
                 bar.set_postfix_str(shown, refresh=False)
-            bar.update()
-            if step % self.every_steps == 0 and step < n_steps:
+            bar.update(step - bar.n)
+            # Steps come one by one, on a GPU several at a time.
+            if step // self.every_steps > saved // self.every_steps and step < n_steps:
                 self._save(step)
+                saved = step
         bar.close()
 
     def _save(self, step):

@@ -30,6 +30,11 @@ for name, n_bytes in (("TRIM_THRESHOLD", 2**30), ("MMAP_THRESHOLD", 2**25), ("TO
     os.environ.setdefault(f"MALLOC_{name}_", str(n_bytes))
 
 
+def training_threads(device):
+    """Cores of a training: one; beside a GPU also those that prepare its inputs."""
+    return 8 if device == "cuda" else 1
+
+
 def or_refused(function, *arguments):
     """Result of a function; a ValueError ends the workflow with its line."""
     try:

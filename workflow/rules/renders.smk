@@ -61,6 +61,7 @@ rule train_cgan:
     benchmark:
         "results/benchmarks/train_cgan/all.tsv"
     priority: 100  # the longest chain of the workflow starts here
+    threads: training_threads(CGAN["device"])
     resources:
         mem_mb=3000,
         gpu=int(CGAN["device"] == "cuda"),

@@ -14,6 +14,7 @@ rule train_tracker:
     benchmark:
         "results/benchmarks/train_tracker/{training_set}/{replica}.tsv"
     priority: 50
+    threads: training_threads(TRACKER["device"])
     resources:
         mem_mb=2000,
         gpu=int(TRACKER["device"] == "cuda"),

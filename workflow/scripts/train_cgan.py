@@ -9,5 +9,6 @@ with job(snakemake):
         snakemake.input.scenes,
         snakemake.output.generator,
         snakemake.output.losses,
+        threads=snakemake.threads,
         **snakemake.params,
     )

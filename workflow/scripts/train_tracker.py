@@ -11,5 +11,6 @@ with job(snakemake):
         snakemake.input.cgan,
         snakemake.output.network,
         snakemake.output.losses,
+        threads=snakemake.threads,
         **snakemake.params,
     )
