@@ -10,6 +10,7 @@ from pretrained.snow import (
     UNTRAINED,
     Snow,
     baseline_logits,
+    ridge_logits,
     scored_snow,
     snow_of_climate,
 )
@@ -51,9 +52,10 @@ def test_horizons_that_are_missed_are_counted_or_flagged(snows):
     assert abs(found["bias"]) < 0.03
 
 
-def test_picks_without_training_are_the_bright_rows():
+@pytest.mark.parametrize("logits_of", [baseline_logits, ridge_logits])
+def test_picks_without_training_are_the_bright_rows(logits_of):
     scenes = toy_scenes(2)
-    picks = [followed(baseline_logits(s.image), UNTRAINED, s.image.shape) for s in scenes]
+    picks = [followed(logits_of(s.image), UNTRAINED, s.image.shape) for s in scenes]
     assert pick_scores(picks, scenes)["f"] > 0.5
 
 

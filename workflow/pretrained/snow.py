@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.ndimage import gaussian_filter, uniform_filter
+from scipy.ndimage import gaussian_filter, gaussian_filter1d, uniform_filter
+from skimage.filters import sato
 
 from pretrained.resizing import resized
 from pretrained.scores import Calibrated, Picks, followed, pick_scores
@@ -26,6 +27,12 @@ NEAR_SURFACE_BINS = 3.0
 # lines), chosen on the flight of seed 1001.
 PEAK = (1.0, 6.0)
 AROUND = (15, 41)
+# Ridges: grey levels under a Gaussian of so many range lines, width of a ridge [range bins], and
+# the strength, in standard deviations, at which one speaks neither for nor against a layer; chosen
+# on the flights of seeds 1001 and 1003 and on clean firn.
+RIDGE_LINES = 6.0
+RIDGE_BINS = 2.0
+EVEN_STRENGTH = 0.5
 
 
 UNTRAINED = Calibrated(None, Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0))
@@ -62,6 +69,13 @@ def baseline_logits(image):
     smooth = gaussian_filter(image.astype(np.float32), PEAK)
     over = smooth - uniform_filter(smooth, AROUND)
     return over / over.std()
+
+
+def ridge_logits(image):
+    """The same by the strength of ridges along track: Sato et al. (1998), Med. Image Anal. 2."""
+    smooth = gaussian_filter1d(image.astype(np.float32), RIDGE_LINES, axis=1)
+    strength = sato(smooth, sigmas=[RIDGE_BINS], black_ridges=False)
+    return strength / strength.std() - EVEN_STRENGTH
 
 
 def layers_of(bins, sure, snow):
@@ -183,7 +197,7 @@ def scored_snow(name, snows, tracker, picks_of):
 
 
 def rows_of_flight(name, snows, tracker, scale):
-    """Rows of a tracker, of the baseline and of true horizons on a list of `Snow`.
+    """Rows of a tracker, of two ways without training and of true horizons on a list of `Snow`.
 
     `tracker` is a `pretrained.scores.Calibrated`, `scale` brings scenes to its bins and lines.
     """
@@ -192,12 +206,15 @@ def rows_of_flight(name, snows, tracker, scale):
         logits = fused_logits(tracker.network, resized(scene.image, scale))
         return followed(logits, tracker, scene.image.shape)
 
-    def untrained(scene):
+    def baseline(scene):
         return followed(baseline_logits(scene.image), UNTRAINED, scene.image.shape)
+
+    def ridges(scene):
+        return followed(ridge_logits(scene.image), UNTRAINED, scene.image.shape)
 
     def true(scene):
         below = scene.layer_bins[1:]
         return Picks(below, np.ones(below.shape))
 
-    ways = {"universal": tracked, "baseline": untrained, "true horizons": true}
+    ways = {"universal": tracked, "baseline": baseline, "sato": ridges, "true horizons": true}
     return [scored_snow(name, snows, way, picks_of) for way, picks_of in ways.items()]
