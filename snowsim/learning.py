@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import torch
-
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count
 from snowsim.progress import shown
@@ -11,7 +9,7 @@ from snowsim.tracker import Settings, Training, TrainingSet, train_steps, traine
 from snowsim.tracker.calibration import calibrate, fused_logits
 from snowsim.tracker.card import make_card
 from snowsim.tracker.portable import network_of_onnx, to_onnx
-from snowsim.training import load_weights
+from snowsim.training import check_device, load_weights
 
 # Shape and range bin [s] of the tracker that comes with the package.
 WIDTH = 8
@@ -55,9 +53,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         If there are fewer than 2 scenes, if one cannot be trained on or has another range bin, if
         `start` is no tracker, or if `device` asks for a GPU and there is none.
     """
-    if device == "cuda" and not torch.cuda.is_available():
-        msg = "device cuda: expected a GPU that this build of torch can use, found none"
-        raise ValueError(msg)
+    check_device(device)
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}

@@ -25,6 +25,13 @@ def is_gpu(device):
     return torch.device(device).type == "cuda"
 
 
+def check_device(device):
+    """ValueError if a device is a GPU and there is none."""
+    if is_gpu(device) and not torch.cuda.is_available():
+        msg = f"device {device}: expected a GPU that this build of torch can use, found none"
+        raise ValueError(msg)
+
+
 class Step:
     """A step of a training, as a function of a batch; on a GPU it is replayed, not called.
 

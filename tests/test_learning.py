@@ -56,3 +56,10 @@ def test_range_bins_are_those_in_the_scenes_notes_and_all_the_same(tmp_path):
     assert card["bin_s"] == 3e-10
     with pytest.raises(ValueError, match="expected range bins of 2e-10 s, .* found 3e-10 s"):
         train_tracker(tmp_path / "other.onnx", scenes, n_steps=1, **OWN)
+
+
+def test_a_gpu_that_is_not_there_is_refused_before_anything_is_read(tmp_path, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    with pytest.raises(ValueError, match="^device cuda: expected a GPU"):
+        train_tracker(tmp_path / "mine.onnx", toy_scenes(3), n_steps=1, device="cuda", **OWN)
+    assert not list(tmp_path.iterdir())
