@@ -16,9 +16,8 @@ import numpy as np
 
 from reference import checked_settings, draw_climate, draw_frame
 from snowsim.io.models import read_tracker, shipped_trackers
-from snowsim.picking import canonical, checked_card, evidence_of, layers_of_frames
-from snowsim.picking.network import network
 from snowsim.seeding import random_stream
+from snowsim.tracker import canonical, checked_card, evidence_of, layers_of_frames, runner
 
 SEED, N_LINES, N_BINS, N_ROUNDS = 1000, 2048, 400, 5
 LEAST = 5000
@@ -56,7 +55,7 @@ def mirrored(run):
     return both
 
 
-def quantised(path):
+def quantised(path, temperature):
     """The same network in 8-bit integers, or None where the package onnx is missing."""
     try:
         from onnxruntime.quantization import QuantType, quantize_dynamic
@@ -64,7 +63,7 @@ def quantised(path):
         with tempfile.TemporaryDirectory() as folder:
             small = Path(folder) / "small.onnx"
             quantize_dynamic(path, small, weight_type=QuantType.QUInt8)
-            return network(small.read_bytes())
+            return runner(small.read_bytes(), temperature)
     except Exception as error:  # of whatever kind: this is an aside
         print(f"int8: {type(error).__name__} {error}")  # noqa: T201
         return None
@@ -77,8 +76,9 @@ def main():
     weights, card = read_tracker(path)
     card = checked_card(card, path)
     echogram = draw_echogram()
-    plain = network(weights)
-    runs = {"float32": plain, "float32, mirrored": mirrored(plain), "int8": quantised(path)}
+    plain = runner(weights, card.temperature)
+    small = quantised(path, card.temperature)
+    runs = {"float32": plain, "float32, mirrored": mirrored(plain), "int8": small}
     best = {}
     for name, run in runs.items():
         if run is None:

@@ -5,10 +5,18 @@ from pathlib import Path
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count
 from snowsim.progress import shown
-from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
-from snowsim.tracker.calibration import calibrate, fused_logits
-from snowsim.tracker.card import make_card
-from snowsim.tracker.portable import network_of_onnx, to_onnx
+from snowsim.tracker import (
+    Settings,
+    Training,
+    TrainingSet,
+    calibrate,
+    fused_logits,
+    make_card,
+    network_of_onnx,
+    to_onnx,
+    train_steps,
+    trained_network,
+)
 from snowsim.training import check_device, load_weights
 
 # Shape and range bin [s] of the tracker that comes with the package.
@@ -80,9 +88,6 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         trained_on=f"{len(taken)} scenes of the user's, {n_steps} gradients of 4 crops{begun}",
         bin_s=bin_s,
         line_spacing_m=line_spacing_m,
-        n_looks=None,
-        ranges=None,
-        scores=None,
         limits=f"calibrated on {len(held)} scenes of the same set",
     )
     write_tracker(path, to_onnx(network, calibration.offset), card)

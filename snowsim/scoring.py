@@ -22,8 +22,8 @@ from snowsim.metrics.edges import (
     suppress,
 )
 from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
-from snowsim.picking import pick_layers
 from snowsim.progress import shown
+from snowsim.tracker import pick_layers
 
 OPTIONAL = ("tolerance_bins", "bin_s")
 ABOVE_0 = ("max_distance_bins", "bin_s")

@@ -1,6 +1,6 @@
 """Layers of echograms without any annotation: a trained tracker, and files tracked with it.
 
-Only `snowsim.io` opens files, only `snowsim.picking` knows how to pick: this joins them.
+Only `snowsim.io` opens files, only `snowsim.tracker` knows how to pick: this joins them.
 """
 
 import os
@@ -29,15 +29,15 @@ from snowsim.io.layers import (
 from snowsim.io.models import read_tracker, shipped_trackers
 from snowsim.io.pairs import read_image
 from snowsim.io.pictures import write_picture
-from snowsim.picking import (
+from snowsim.progress import shown
+from snowsim.tracker import (
     canonical,
     checked_card,
     evidence_of,
     layers_of_frames,
     probability_of,
+    runner,
 )
-from snowsim.picking.network import network
-from snowsim.progress import shown
 
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
@@ -67,7 +67,7 @@ class Tracker:
 
     Attributes
     ----------
-    card : snowsim.picking.Card
+    card : snowsim.tracker.Card
         What it was made for.
 
     Examples
@@ -78,7 +78,7 @@ class Tracker:
 
     def __init__(self, weights, card, where="weights"):
         self.card = checked_card(card, Path(where).with_suffix(".json"))
-        self._run = network(weights, where)
+        self._run = runner(weights, self.card.temperature, where)
 
     def __repr__(self):
         made_for = f"bins of {1e9 * self.card.bin_s:g} ns, lines {self.card.line_spacing_m:g} m"
@@ -110,7 +110,7 @@ class Tracker:
         NaN above and below what the tracker was shown.
         """
         seen = self._canonical(echogram)
-        probability = probability_of(self._run, seen, self.card)
+        probability = probability_of(self._run, seen)
         coordinates = {name: echogram[name] for name in ("twtt", "slow_time")}
         attributes = {"units": "1", "long_name": "probability of a layer"}
         return xr.DataArray(

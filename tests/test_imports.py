@@ -27,13 +27,13 @@ ALLOWED = {
     # PHY's mean power tells how bright a scene is.
     ("cgan", "phy"),
     ("tracker", "metrics"),
-    ("tracker", "picking"),
-    ("picking", "frames"),
+    ("tracker", "frames"),
 }
-# What only some stages may import.
+# What only some stages or modules may import.
+NETWORKS = {f"tracker/{module}" for module in ("network", "portable", "published", "train")}
 ONLY = {
-    "torch": {"cgan", "tracker", "patches", "training"},
-    "onnxruntime": {"picking"},
+    "torch": {"cgan", "patches", "training", *NETWORKS},
+    "onnxruntime": {"tracker/windows"},
     "netCDF4": {"io"},
     "h5py": {"io"},
     "PIL": {"io"},
@@ -71,7 +71,7 @@ def test_module_imports_only_what_its_place_allows(module):
         parts = name.split(".")
         assert parts[0] not in WORKFLOW, f"{module} imports {name}"
         if parts[0] in ONLY:
-            assert stage in ONLY[parts[0]], f"{module} imports {name}"
+            assert {stage, str(module)} & ONLY[parts[0]], f"{module} imports {name}"
         if parts[0] != "snowsim" or len(parts) == 1 or stage == "__init__":
             continue
         other = parts[1]
@@ -108,6 +108,13 @@ def test_the_configuration_is_checked_without_what_draws_and_trains():
     loaded = loaded_with("lib.configuration")
     assert {"snowsim.settings.cgan", "reference.settings"} <= loaded
     assert not loaded & {"scipy", "torch", "xarray", "numba", "pandas", "reference.echo"}
+
+
+def test_tracking_and_scoring_load_no_torch_and_nothing_loads_onnxruntime_before_it_tracks():
+    assert not loaded_with("snowsim.tracking", "snowsim.scoring") & {"torch", "onnxruntime"}
+    loaded = loaded_with("snowsim.learning")
+    assert "torch" in loaded
+    assert "onnxruntime" not in loaded
 
 
 def test_the_main_path_imports_nothing_that_judges_it():

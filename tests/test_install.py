@@ -22,7 +22,11 @@ EXTRAS = PROJECT["optional-dependencies"]
 SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]
 NETWORKS = (
     "snowsim.cgan",
-    "snowsim.tracker",
+    "snowsim.tracker.network",
+    "snowsim.tracker.portable",
+    "snowsim.tracker.published",
+    "snowsim.tracker.sampling",
+    "snowsim.tracker.train",
     "snowsim.patches",
     "snowsim.training",
     "snowsim.io.models",

@@ -5,7 +5,7 @@ from toy_scenes import toy_scenes
 
 from snowsim.io.models import read_tracker
 from snowsim.learning import network_of_tracker, train_tracker
-from snowsim.tracker.portable import network_of_onnx
+from snowsim.tracker import network_of_onnx
 
 OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
 

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 from scipy.optimize import minimize
 from scipy.special import expit
 
 from snowsim.limits import check_count
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
-from snowsim.tracker.network import check_image
 
 WITHIN_BINS = 2.0  # distance to a layer within which a pick is a hit
 LEAST_PROBABILITY = 0.02  # probability, before calibration, from which on a pixel may be a pick
@@ -72,15 +70,6 @@ class Reliability:
         """Largest difference between both, over classes that hold a hundredth of the pixels."""
         filled = 100 * self.n_pixels >= self.n_pixels.sum()
         return float(np.abs(self.probability - self.hit_share)[filled].max())
-
-
-def fused_logits(network, image):
-    """Fused logits of a uint8 image before calibration, float32 (range_bin, range_line)."""
-    check_image(image)
-    device = next(network.parameters()).device
-    with torch.inference_mode():
-        logits = network(network.to_input(image[None]).to(device))[-1]
-        return logits[0, 0].float().cpu().numpy()
 
 
 def calibrate(logits, scenes):

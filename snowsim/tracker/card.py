@@ -1,7 +1,28 @@
-"""The card of a tracker: its input and output, what it was trained on, its limits and scores."""
+"""The card beside a tracker's weights: what they are, and for which echograms they were made."""
 
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from snowsim.limits import check_values
+
+# What a card must hold, from the least to the largest that can be.
+NUMBERS = {
+    "bin_s": (1e-12, 1e-6),
+    "line_spacing_m": (1e-2, 1e4),
+    "temperature": (1e-3, 1e3),
+    "threshold": (1e-6, 1 - 1e-6),
+}
+SHAPES = {"confidence": (3,)} | dict.fromkeys([*NUMBERS, "echo_db"], ())
+RANGED = ("bin_s", "line_spacing_m", "n_looks")
+# Coefficients of `snowsim.tracker.confidence` where a card has none: fitted on the synthetic
+# flights of seeds 1000 to 1004.
+CONFIDENCE = (-0.62, 0.1, 1.08)
+# Mean power over 5 rows and 33 range lines. In simulations with the surface 15 dB above noise or
+# more no right pick lies deeper.
+ECHO_DB = 1.0
+# What a card that is written tells people.
 VERSION = "3"
-SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
     "near row 50; grey is linear in dB, 0 at 10 dB below the noise floor (the least mean of a row "
@@ -15,6 +36,81 @@ QUALITY = (
 OUTPUT = "logit: the same shape; probability of a layer is sigmoid(logit / temperature)"
 
 
+@dataclass(frozen=True)
+class Card:
+    """Card of a tracker, as far as picking uses it.
+
+    Attributes
+    ----------
+    name, version : str
+    bin_s, line_spacing_m : float
+        Range bin [s] and distance of range lines [m] of its training.
+    temperature : float
+        By which its log-odds are divided.
+    threshold : float
+        Probability, after that, from which a pixel counts as a layer.
+    ranges : dict
+        Least and largest `bin_s`, `line_spacing_m` and `n_looks` of echograms it was made for; what
+        else it holds is for people.
+    confidence : tuple of float
+        See `snowsim.tracker.confidence`.
+    echo_db : float
+        Below the deepest row whose power stands so far above the noise floor there are no picks.
+    """
+
+    name: str
+    version: str
+    bin_s: float
+    line_spacing_m: float
+    temperature: float
+    threshold: float
+    ranges: dict = field(default_factory=dict)
+    confidence: tuple = CONFIDENCE
+    echo_db: float = ECHO_DB
+
+    @property
+    def threshold_log_odds(self):
+        """Threshold as log-odds."""
+        return float(np.log(self.threshold / (1 - self.threshold)))
+
+    def outside(self, values):
+        """Lines that tell which values, by name, lie outside the card's ranges."""
+        return [
+            f"{name} {values[name]:.4g} lies outside the tracker's {low:g} to {high:g}"
+            for name, (low, high) in self.ranges.items()
+            if name in values and (values[name] < low or values[name] > high)
+        ]
+
+
+def checked_card(content, where):
+    """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
+    coefficients = content.get("confidence", CONFIDENCE)
+    held = content.get("ranges") or {}
+    if not isinstance(held, dict):
+        msg = f"{where}: ranges: expected limits by name, got {held!r}"
+        raise ValueError(msg)
+    ranges = {name: held[name] for name in RANGED if name in held}
+    numbers = {name: content.get(name) for name in NUMBERS}
+    numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
+    numbers["confidence"] = coefficients
+    numbers["echo_db"] = content.get("echo_db", ECHO_DB)
+    for name, values in numbers.items():
+        check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
+        shape = SHAPES.get(name, (2,))
+        if np.shape(values) != shape or (shape == (2,) and values[0] > values[1]):
+            msg = f"{where}: {name}: expected numbers of shape {shape}, limits in order, "
+            msg += f"got {values}"
+            raise ValueError(msg)
+    return Card(
+        str(content.get("name")),
+        str(content.get("version")),
+        **{name: float(content[name]) for name in NUMBERS},
+        ranges={name: tuple(limits) for name, limits in ranges.items()},
+        confidence=tuple(coefficients),
+        echo_db=float(numbers["echo_db"]),
+    )
+
+
 def make_card(
     name,
     calibration,
@@ -22,18 +118,18 @@ def make_card(
     trained_on,
     bin_s,
     line_spacing_m,
-    n_looks,
-    ranges,
-    scores,
     limits,
+    n_looks=None,
+    ranges=None,
+    scores=None,
     confidence=None,
 ):
     """Card of a tracker with its `Calibration`, a dict that JSON can hold.
 
     `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of most scenes it was trained on;
     `ranges` gives the (least, most) of all scenes by name and unit. `scores` are those on unseen
-    flights. `confidence` has the coefficients of `snowsim.picking.confidence`; with None the
-    package's own apply. Other arguments are None where they are not known.
+    flights. `confidence` has the coefficients of `snowsim.tracker.confidence`; with None the
+    package's own apply. Others are None where they are not known.
     """
     card = {
         "name": name,

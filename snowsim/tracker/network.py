@@ -1,4 +1,4 @@
-"""The multi-scale network, and tracking with it.
+"""The multi-scale network, its loss, and tracking with it.
 
 The network is an encoder shaped like VGG16. Each stage has a side output; the fused output is
 their weighted sum.
@@ -110,12 +110,22 @@ def track(network, image, *, precision="float32"):
     an image without contrast raises ValueError. `precision` is that of the arithmetic, `float32`
     or `bfloat16`.
     """
+    return torch.sigmoid(_logits(network, image, precision)).cpu().numpy()
+
+
+def fused_logits(network, image):
+    """Fused logits of a uint8 image before calibration, float32 (range_bin, range_line)."""
+    return _logits(network, image, "float32")[-1].cpu().numpy()
+
+
+def _logits(network, image, precision):
+    """Logits of an image, float32 (output, range_bin, range_line)."""
     image = np.asarray(image)
     check_image(image)
     device = next(network.parameters()).device
     with torch.inference_mode(), arithmetic(device, precision):
         logits = network(network.to_input(image[None]).to(device))
-        return torch.sigmoid(logits[:, 0, 0].float()).cpu().numpy()
+        return logits[:, 0, 0].float()
 
 
 def check_image(image):
@@ -125,3 +135,25 @@ def check_image(image):
         msg = "image must be uint8 (range_bin, range_line) with contrast, "
         msg += f"got {image.dtype} of shape {image.shape}"
         raise ValueError(msg)
+
+
+def cost_of_logits(logits, layer):
+    """Cross-entropy of each pixel of logit z and class y, 0 or 1: ``log(1 + exp((1 - 2 y) z))``."""
+    return functional.softplus((1 - 2 * layer) * logits.float())
+
+
+def balanced_cross_entropy(logits, masks, *, layer_share=None, cost=cost_of_logits):
+    """Class-balanced cross-entropy of each output, a sum over pixels and mean of images, (output,).
+
+    `logits` are (output, patch, 1, range_bin, range_line), `masks` bool (patch, range_bin,
+    range_line). Layers are weighted by the share of background and background by the share of
+    layers: Xie & Tu (2015), ICCV, eq. (2). That share is `layer_share` in every image, or each
+    image's own if None. `cost` is the cross-entropy of each pixel, ``-y log s(z) - (1 - y) log(1 -
+    s(z))``.
+    """
+    layer = masks[:, None].float()
+    if layer_share is None:
+        layer_share = layer.sum(dim=(1, 2, 3), keepdim=True) / masks[0].numel()
+    weight = torch.where(masks[:, None], 1 - layer_share, layer_share)
+    # As a product of matrices it needs no array of the size of `logits` but the cost.
+    return cost(logits, layer).flatten(1) @ weight.flatten() / masks.shape[0]

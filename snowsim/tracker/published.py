@@ -10,8 +10,7 @@ from torch.nn import functional
 
 from snowsim.limits import check_count
 from snowsim.patches import whole_copy
-from snowsim.tracker.loss import balanced_cross_entropy
-from snowsim.tracker.network import STAGES, MultiScaleNetwork, enlarge
+from snowsim.tracker.network import STAGES, MultiScaleNetwork, balanced_cross_entropy, enlarge
 from snowsim.tracker.sampling import copy_shown
 from snowsim.training import Step, arithmetic
 

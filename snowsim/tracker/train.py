@@ -7,8 +7,7 @@ import torch
 from snowsim.constants import OUTPUTS
 from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream
-from snowsim.tracker.loss import balanced_cross_entropy
-from snowsim.tracker.network import MultiScaleNetwork
+from snowsim.tracker.network import MultiScaleNetwork, balanced_cross_entropy
 from snowsim.tracker.published import PublishedNetwork, published_optimiser, published_training
 from snowsim.training import (
     Step,

@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.cgan.picks import completed
 from snowsim.echogram import Scene
-from snowsim.picking import pick_layers
+from snowsim.tracker import pick_layers
 
 
 @pytest.fixture

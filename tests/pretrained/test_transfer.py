@@ -17,7 +17,7 @@ from pretrained.scores import (
     score_tracker,
 )
 from pretrained.transfer import check_flights, reference_of, scale_of
-from snowsim.tracker.calibration import Calibration, fused_logits
+from snowsim.tracker import Calibration, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]
 UNSEEN = CONFIG["studies"]["transfer"]["flights"]

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.special import expit
 from toy_scenes import logits_at, toy_scenes
 
-from snowsim.tracker.calibration import Ridges, calibrate, fit_logistic, reliability, ridges_of
+from snowsim.tracker import Ridges, calibrate, fit_logistic, reliability, ridges_of
 
 
 def test_a_planted_offset_and_temperature_are_found(rng):

@@ -10,8 +10,7 @@ from scipy.special import expit
 from snowsim.front import REFERENCE
 from snowsim.io.models import read_tracker
 from snowsim.patches import to_signed
-from snowsim.tracker import MultiScaleNetwork
-from snowsim.tracker.portable import network_of_onnx, to_onnx
+from snowsim.tracker import MultiScaleNetwork, network_of_onnx, to_onnx
 
 SHIPPED = REFERENCE.parent / "universal.onnx"
 

@@ -20,10 +20,10 @@ from snowsim.tracker import (
     Settings,
     Training,
     TrainingSet,
+    copy_shown,
     published_settings,
     train_steps,
 )
-from snowsim.tracker.sampling import copy_shown
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCALES = (1.0, 0.75, 0.5, 0.25, 0.6, 0.35)

@@ -7,9 +7,7 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene
 from trainings import trained
 
-from snowsim.tracker import OUTPUTS, Settings, track
-from snowsim.tracker.loss import balanced_cross_entropy
-from snowsim.tracker.train import rate_factor
+from snowsim.tracker import OUTPUTS, Settings, balanced_cross_entropy, rate_factor, track
 
 TINY = Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 

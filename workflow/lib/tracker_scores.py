@@ -10,8 +10,7 @@ from lib.score_tables import counts_by_image
 from snowsim.io.models import read_model
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.metrics.picks import layer_rows
-from snowsim.picking import pick_layers
-from snowsim.tracker import OUTPUTS, Settings, track, trained_network
+from snowsim.tracker import OUTPUTS, Settings, pick_layers, track, trained_network
 
 
 @dataclass(frozen=True)

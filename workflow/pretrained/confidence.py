@@ -5,7 +5,7 @@ from scipy.optimize import minimize
 
 from pretrained.scores import near_a_layer, pieces_of
 from snowsim.limits import check_count
-from snowsim.picking.confidence import features
+from snowsim.tracker import features
 
 
 def fit_confidence(logits, scenes, calibration):

@@ -12,17 +12,17 @@ from pretrained.resizing import AS_THEY_ARE, resized, resized_rows
 from snowsim.echogram import crossing_layers
 from snowsim.io.files import read_table
 from snowsim.metrics.picks import layer_rows
-from snowsim.picking.candidates import find_candidates
-from snowsim.picking.card import CONFIDENCE
-from snowsim.picking.confidence import confidence
-from snowsim.picking.layers import between_lines, on_lines
-from snowsim.picking.linking import Linking
-from snowsim.picking.picker import linked
-from snowsim.tracker.calibration import (
+from snowsim.tracker import (
+    CONFIDENCE,
     WITHIN_BINS,
     Calibration,
+    between_lines,
+    confidence,
     edge_scores,
     fused_logits,
+    join,
+    on_lines,
+    pieces_in,
     reliability,
 )
 
@@ -31,7 +31,7 @@ from snowsim.tracker.calibration import (
 class Calibrated:
     """A trained network, and what it was calibrated to elsewhere.
 
-    `confidence` are the coefficients of `snowsim.picking.confidence`.
+    `confidence` are the coefficients of `snowsim.tracker.confidence`.
     """
 
     network: torch.nn.Module
@@ -45,7 +45,7 @@ def read_calibration(path):
 
 
 def read_confidence(path):
-    """Coefficients of `snowsim.picking.confidence` in a table of one row, (offset, near, far)."""
+    """Coefficients of `snowsim.tracker.confidence` in a table of one row, (offset, near, far)."""
     row = read_table(path).iloc[0]
     return tuple(float(row[name]) for name in ("offset", "near", "far"))
 
@@ -68,11 +68,8 @@ def on_pixels(logits, shape):
 
 def pieces_of(logits, calibration):
     """Pieces of layers in a map of logits, linked as `snowsim track` links them, downwards."""
-    linking = Linking()
     log_odds = (logits - calibration.offset) / calibration.temperature
-    threshold = float(logit(calibration.threshold))
-    candidates = find_candidates(log_odds, threshold + linking.even - linking.skipped)
-    return linked(candidates, linking, threshold)
+    return join(pieces_in(log_odds, float(logit(calibration.threshold))))
 
 
 def followed(logits, tracker, shape):
@@ -84,10 +81,9 @@ def followed(logits, tracker, shape):
     sure = []
     for piece in pieces_of(logits, tracker.calibration):
         of_piece = confidence(piece, n_lines, tracker.confidence)
-        row, of_pick = on_lines(piece, of_piece, lines, Linking().longest)
-        own_row = resized_rows(row, n_rows, shape[0])
+        own_row = resized_rows(on_lines(piece, piece.row, lines), n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
-        sure.append(between_lines(of_pick, own_lines))
+        sure.append(between_lines(on_lines(piece, of_piece, lines), own_lines))
     bins = np.array(bins).reshape(-1, shape[1])
     bins[crossing_layers(bins)] = np.nan
     return Picks(bins, np.array(sure).reshape(-1, shape[1]))

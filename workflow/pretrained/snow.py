@@ -12,10 +12,9 @@ from pretrained.resizing import resized
 from pretrained.scores import Calibrated, Picks, followed, pick_scores
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.echogram import Scene, to_uint8
-from snowsim.picking.confidence import half_width_rows
 from snowsim.seeding import random_stream
 from snowsim.snowpack import Climate, Radar, accumulation, simulate
-from snowsim.tracker.calibration import Calibration, fused_logits
+from snowsim.tracker import Calibration, fused_logits, half_width_rows
 
 # Of the firn of flights and climates: density at the surface [kg m-3], annual mean [K].
 FIRN = {"density": 340.0, "temperature_k": 243.0}

@@ -10,7 +10,7 @@ from pretrained.confidence import fit_confidence
 from pretrained.resizing import scenes_in_bins
 from pretrained.scores import Calibrated, followed, reliability_of
 from snowsim.io.files import write_table
-from snowsim.tracker.calibration import calibrate, fused_logits, reliability, ridges_of
+from snowsim.tracker import calibrate, fused_logits, reliability, ridges_of
 
 with job(snakemake):
     network = read_tracker(snakemake.input.network).network

@@ -7,9 +7,7 @@ from scipy.special import expit
 from snowsim.cgan.picks import completed
 from snowsim.io.models import read_tracker
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.picking import pick_layers
-from snowsim.tracker.calibration import fused_logits
-from snowsim.tracker.portable import network_of_onnx
+from snowsim.tracker import fused_logits, network_of_onnx, pick_layers
 
 with job(snakemake) as log:
     content, card = read_tracker(snakemake.input.weights)

@@ -9,9 +9,9 @@ from pretrained.scores import read_calibration, read_confidence
 from snowsim.io.files import read_dataset
 from snowsim.io.models import write_tracker
 from snowsim.statistics import Ranges
-from snowsim.tracker.card import SYNTHETIC, make_card
-from snowsim.tracker.portable import to_onnx
+from snowsim.tracker import make_card, to_onnx
 
+SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 LIMITS = (
     "annual layers of dry snow and firn, 2-8 GHz, surface in row 50; no scene held brightness "
     "jumps, roll fades, sidelobes of deconvolution, ice lenses, or layers that percolation breaks"

@@ -7,7 +7,7 @@ from evaluation.lib.figures.style import TRAINING_SETS, Scale, save_figure
 from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
-from snowsim.picking import pick_layers
+from snowsim.tracker import pick_layers
 
 with job(snakemake):
     files = snakemake.input

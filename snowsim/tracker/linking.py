@@ -1,4 +1,4 @@
-"""Candidates linked into pieces of layers: the chains that gather the most evidence."""
+"""Peaks of every range line, linked into pieces of layers: the chains of most evidence."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -15,33 +15,77 @@ class Linking(NamedTuple):
 
     Attributes
     ----------
-    even : float
+    even_log_odds : float
         Log-odds, less those of the tracker's threshold, at which a candidate speaks neither for nor
         against a layer.
-    most : float
+    most_log_odds : float
         So much a candidate speaks at most for a layer, or against it.
-    longest : int
+    longest_lines : int
         Range lines from one candidate of a chain to the next, at most.
-    skipped : float
+    skipped_log_odds : float
         What a line without a candidate costs.
-    bend : float
+    bend_log_odds : float
         What a step of one row in one line costs; it grows with the square.
-    steepest : float
+    steepest_rows : float
         Rows that a chain moves in one line, at most.
-    apart : float
+    apart_rows : float
         Rows that chains keep from each other.
-    evidence : float
+    evidence_log_odds : float
         What a chain must gather; on fewer than `NARROW` range lines, in proportion to them.
     """
 
-    even: float = 0.0
-    most: float = 1.0
-    longest: int = 6
-    skipped: float = 0.5
-    bend: float = 0.5
-    steepest: float = 2.5
-    apart: float = 4.0
-    evidence: float = 55.0
+    even_log_odds: float = 0.0
+    most_log_odds: float = 1.0
+    longest_lines: int = 6
+    skipped_log_odds: float = 0.5
+    bend_log_odds: float = 0.5
+    steepest_rows: float = 2.5
+    apart_rows: float = 4.0
+    evidence_log_odds: float = 55.0
+
+
+LINKING = Linking()
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Peaks by range line, downwards: those of line i are ``first[i]:first[i + 1]``.
+
+    Attributes
+    ----------
+    first : ndarray of int, (range_line + 1,)
+    row : ndarray, (candidate,)
+        Fractional row of the peak.
+    log_odds : ndarray, (candidate,)
+    """
+
+    first: np.ndarray
+    row: np.ndarray
+    log_odds: np.ndarray
+
+    @property
+    def n_lines(self):
+        """Number of range lines."""
+        return self.first.size - 1
+
+    @property
+    def line(self):
+        """Range line of every candidate, (candidate,)."""
+        return np.repeat(np.arange(self.n_lines), np.diff(self.first))
+
+    def where(self, kept):
+        """Those of the candidates that are kept, bool (candidate,)."""
+        n_kept = np.concatenate([[0], np.cumsum(kept)])
+        return Candidates(n_kept[self.first], self.row[kept], self.log_odds[kept])
+
+    @staticmethod
+    def concatenated(parts):
+        """Candidates of stretches of range lines, one after another."""
+        n_before = np.cumsum([0, *(part.row.size for part in parts)])
+        firsts = [part.first[:-1] + n for part, n in zip(parts, n_before[:-1], strict=True)]
+        first = np.concatenate([*firsts, n_before[-1:]])
+        rows = np.concatenate([part.row for part in parts])
+        return Candidates(first, rows, np.concatenate([part.log_odds for part in parts]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,20 +104,59 @@ class Piece:
         return np.interp(line, self.line[around], self.row[around])
 
 
+def find_candidates(log_odds, linking, threshold):
+    """Peaks of a map (row, range_line) that chains may take, each at the vertex of a parabola.
+
+    A peak of several equal rows lies in their middle. `threshold` is that of `link`.
+    """
+    floor = threshold + linking.even_log_odds - linking.skipped_log_odds
+    log_odds = np.ascontiguousarray(log_odds.T, dtype=np.float32)
+    return Candidates(*_peaks(log_odds, floor))
+
+
+@njit(cache=True)
+def _peaks(log_odds, floor):
+    """Arrays of `Candidates` of a map (range_line, row)."""
+    n_lines, n_rows = log_odds.shape
+    first = np.zeros(n_lines + 1, np.int64)
+    row = np.empty(n_lines * (n_rows // 2 + 1), np.float32)
+    height = np.empty(row.size, np.float32)
+    n = 0
+    for line in range(n_lines):
+        for r in range(1, n_rows - 1):
+            here = log_odds[line, r]
+            above = log_odds[line, r - 1]
+            if not (here > floor and here > above):
+                continue
+            last = r
+            while last < n_rows - 1 and log_odds[line, last + 1] == here:
+                last += 1
+            if last == n_rows - 1 or log_odds[line, last + 1] > here:
+                continue
+            row[n] = 0.5 * (r + last)
+            if last == r:
+                below = log_odds[line, r + 1]
+                row[n] += 0.5 * (above - below) / (above - 2 * here + below)
+            height[n] = here
+            n += 1
+        first[line + 1] = n
+    return first, row[:n].copy(), height[:n].copy()
+
+
 def link(candidates, linking, threshold):
     """Pieces of layers, list of `Piece`, strongest first; none cross and none share a candidate.
 
-    A chain may begin and end anywhere. It gathers what its candidates have above `even`, less what
-    steps and skipped lines cost; the chain that gathers most is found by dynamic programming over
-    range lines (a local alignment: Smith & Waterman, 1981, J. Mol. Biol. 147, 195-197). Chains are
-    taken from the best downwards; one that meets another is sought anew among what is left.
-    `threshold` is that of the tracker, as log-odds.
+    A chain may begin and end anywhere. It gathers what its candidates have above `even_log_odds`,
+    less what steps and skipped lines cost; the chain that gathers most is found by dynamic
+    programming over range lines (a local alignment: Smith & Waterman, 1981, J. Mol. Biol. 147,
+    195-197). Chains are taken from the best downwards; one that meets another is sought anew among
+    what is left. `threshold` is that of the tracker, as log-odds.
     """
     line = candidates.line
-    excess = candidates.log_odds - (threshold + linking.even)
-    gain = np.clip(excess, -linking.most, linking.most)
-    evidence = linking.evidence * min(1, candidates.n_lines / NARROW)
-    rules = linking._replace(evidence=evidence)
+    excess = candidates.log_odds - (threshold + linking.even_log_odds)
+    gain = np.clip(excess, -linking.most_log_odds, linking.most_log_odds)
+    evidence = linking.evidence_log_odds * min(1, candidates.n_lines / NARROW)
+    rules = linking._replace(evidence_log_odds=evidence)
     taken = _nothing_taken(line.size)
     _take_chains(_Peaks(candidates.first, line, candidates.row, gain), rules, taken)
     chains = taken.chain
@@ -128,12 +211,12 @@ def _take_chains(peaks, rules, taken):
         n_before = n_chains
         for at in range(peaks.first.size - 1):
             _extend(at, peaks, rules, taken, total, before)
-        ends = np.flatnonzero(total >= rules.evidence)
+        ends = np.flatnonzero(total >= rules.evidence_log_odds)
         meets = ~taken.free
         for end in ends[np.argsort(-total[ends], kind="mergesort")]:
             members = _trace(end, peaks, taken, before, meets)
             if members.size:
-                _take(n_chains, members, peaks, rules.apart, taken)
+                _take(n_chains, members, peaks, rules.apart_rows, taken)
                 n_chains += 1
 
 
@@ -144,9 +227,9 @@ def _extend(at, peaks, rules, taken, total, before):
     here = slice(first[at], first[at + 1])
     total[here] = 0
     before[here] = NONE
-    for gap in range(1, min(rules.longest, at) + 1):
-        reach = rules.steepest * (0.75 + 0.25 * gap)
-        lost = rules.skipped * (gap - 1)
+    for gap in range(1, min(rules.longest_lines, at) + 1):
+        reach = rules.steepest_rows * (0.75 + 0.25 * gap)
+        lost = rules.skipped_log_odds * (gap - 1)
         nearest = first[at - gap]
         for c in range(first[at], first[at + 1]):
             if not taken.free[c]:
@@ -157,7 +240,7 @@ def _extend(at, peaks, rules, taken, total, before):
                 step = row[c] - row[q]
                 if step < -reach:
                     break
-                gathered = total[q] - lost - rules.bend * step * step / gap
+                gathered = total[q] - lost - rules.bend_log_odds * step * step / gap
                 if gathered > total[c] and _uncrossed(q, c, peaks, taken):
                     total[c] = gathered
                     before[c] = q

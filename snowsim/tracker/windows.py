@@ -1,4 +1,4 @@
-"""Log-odds of layers over a whole echogram, by windows that overlap.
+"""A network of an ONNX file, run over a whole echogram in windows that overlap.
 
 Pooling reduces by 16, of range lines that may have been averaged in pairs: windows that begin on a
 grid of so many pixels and overlap by more than a pixel sees give what the whole gives.
@@ -15,6 +15,41 @@ MARGIN_ROWS = 8 * GRID_ROWS
 MARGIN_LINES = 8 * GRID_LINES
 WINDOW_ROWS = 64 * GRID_ROWS
 WINDOW_LINES = 64 * GRID_LINES
+NEEDED = "tracking needs onnxruntime: pip install 'snowsim[track]'"
+
+
+def runner(weights, temperature=1.0, where="weights"):
+    """Log-odds of a stack of inputs, both float32 (patch, 1, row, range_line), as a function.
+
+    They are the logits of a network (bytes of an ONNX file), run by onnxruntime on one thread, over
+    a temperature. ValueError where onnxruntime is missing, or finds no network of this input.
+    """
+    try:
+        import onnxruntime
+    except ImportError as error:
+        raise ValueError(NEEDED) from error
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = 1
+    options.inter_op_num_threads = 1
+    # Windows differ in size: what was kept for the largest would stay.
+    options.enable_cpu_mem_arena = False
+    providers = ["CPUExecutionProvider"]
+    try:
+        session = onnxruntime.InferenceSession(weights, options, providers=providers)
+    except Exception as error:  # of a kind that onnxruntime does not export
+        msg = f"{where}: expected an ONNX network, {type(error).__name__}"
+        raise ValueError(msg) from error
+    inputs = [each.name for each in session.get_inputs()]
+    outputs = [each.name for each in session.get_outputs()]
+    if (inputs, outputs) != (["image"], ["logit"]):
+        msg = f"{where}: expected input image and output logit, found {inputs} and {outputs}"
+        raise ValueError(msg)
+
+    def run(images):
+        (logits,) = session.run(["logit"], {"image": images})
+        return logits / np.float32(temperature)
+
+    return run
 
 
 def log_odds_by_lines(

@@ -20,7 +20,7 @@ from snowsim.echogram import (
 )
 from snowsim.frames import resample_range
 from snowsim.limits import check_count, check_values
-from snowsim.picking.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
+from snowsim.tracker.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
 
 BLOCK_LINES = 256  # of the benchmark's scenes, whose scale is that of a block
 # A line whose maximum exceeds that of the middle line by so much is saturated: it has no say in the

@@ -4,7 +4,7 @@ import heapq
 
 import numpy as np
 
-from snowsim.picking.linking import Piece
+from snowsim.tracker.linking import Piece
 
 # Two pieces are one layer where the layers beside them foretell the row at which the second begins
 # to within so many rows, and more after a gap of so many range lines.

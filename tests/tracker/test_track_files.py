@@ -10,7 +10,7 @@ from snowsim.cli import main
 from snowsim.io import open_segment, read_layers
 from snowsim.io.describe import describe
 from snowsim.io.pairs import write_image
-from snowsim.picking import canonical
+from snowsim.tracker import canonical
 from snowsim.tracking import track_files
 
 

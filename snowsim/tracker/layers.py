@@ -1,11 +1,17 @@
-"""Layers of a frame, as Open Polar Radar has them, from pieces of canonical rows."""
+"""Layers of a frame, as Open Polar Radar has them, from pieces, and how sure they are.
+
+The probability that a layer lies within 2 rows of a pick is a logistic function of the mean
+log-odds of its chain near it and farther around. The coefficients are those of flights that no
+score is reported of, and a card may bring its own.
+"""
 
 import numpy as np
 import xarray as xr
+from scipy.special import expit
 
 from snowsim.echogram import check_layers, crossing_layers
 from snowsim.frames import FLAGGED_BY, flagged_lines
-from snowsim.picking.confidence import half_width_rows
+from snowsim.tracker.linking import LINKING
 
 GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
@@ -17,34 +23,70 @@ FADE_DB = 6.0
 LEAST_ROWS = 0.5  # below the surface
 ALONG = ("layer", "slow_time")
 ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
+NEAR_LINES = 8
+FAR_LINES = 48
+LARGEST = 3.0  # log-odds that count on a line
+# Of picks as sure as that, so many rows hold nine tenths of the errors of those that have a layer.
+SURE = (0.45, 0.55, 0.65, 0.75, 0.85, 0.95)
+HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 
 
-def layers_of(canonical, pieces, first_line, longest):
+def features(piece, n_lines):
+    """Mean log-odds of a piece within `NEAR_LINES` and `FAR_LINES` of every pick, (2, pick).
+
+    Of all `n_lines` range lines, those without a candidate and those beyond the ends of the piece
+    count as none for and none against.
+    """
+    first = piece.line[0]
+    size = piece.line[-1] - first + 1
+    excess = np.zeros(size + 1)
+    excess[piece.line - first + 1] = np.clip(piece.excess, -LARGEST, LARGEST)
+    total = np.cumsum(excess)
+    means = []
+    for reach in (NEAR_LINES, FAR_LINES):
+        start = np.maximum(piece.line - reach, 0)
+        stop = np.minimum(piece.line + reach + 1, n_lines)
+        within = np.clip(np.array([start, stop]) - first, 0, size)
+        means.append((total[within[1]] - total[within[0]]) / (stop - start))
+    return np.array(means)
+
+
+def confidence(piece, n_lines, coefficients):
+    """Probability that a layer lies within 2 rows of each pick of a piece, (pick,)."""
+    offset, near, far = coefficients
+    of_near, of_far = features(piece, n_lines)
+    return expit(offset + near * of_near + far * of_far)
+
+
+def half_width_rows(sure):
+    """Rows to either side of a pick that hold nine of ten layers, where there is one."""
+    return np.interp(sure, SURE, HALF_WIDTH_ROWS)
+
+
+def layers_of_frame(canonical, pieces, sure, first_line):
     """Layers dataset of the frame whose image begins at range line `first_line` of the pieces.
 
-    `pieces` are pairs of a `Piece` and how sure its picks are, the surface first; those with a pick
-    in this frame have a row, called by their number. Gaps within a chain, up to `longest` lines,
-    are filled straight, longer ones stay NaN.
+    `pieces` are the surface and all others, downwards, `sure` how sure the picks of each are. Those
+    with a pick in this frame have a row, called by their number.
     """
     grid = canonical.grid
     lines = first_line + np.arange(grid.n_lines)
     numbers = []
     rows = []
-    sure = []
-    for number, (piece, of_piece) in enumerate(pieces):
+    sure_of_rows = []
+    for number, (piece, of_piece) in enumerate(zip(pieces, sure, strict=True)):
         first, stop = np.searchsorted(piece.line, [lines[0], lines[-1] + 1])
         if number > 0 and first == stop:
             continue
-        row, of_pick = on_lines(piece, of_piece, lines, longest)
         numbers.append(number)
-        rows.append(between_lines(row, grid.line))
-        sure.append(between_lines(of_pick, grid.line))
+        rows.append(between_lines(on_lines(piece, piece.row, lines), grid.line))
+        sure_of_rows.append(between_lines(on_lines(piece, of_piece, lines), grid.line))
     rows = np.array(rows)
-    sure = np.array(sure)
     # A chain straight across a gap may touch a surface that jumps, or another chain.
     rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
     rows[crossing_layers(rows)] = np.nan
-    layers = _dataset(_variables(canonical, rows, sure), numbers, canonical.echogram)
+    variables = _variables(canonical, rows, np.array(sure_of_rows))
+    layers = _dataset(variables, numbers, canonical.echogram)
     check_layers(layers, "picks")
     return layers
 
@@ -89,16 +131,16 @@ def doubtful_lines(canonical):
     return doubtful
 
 
-def on_lines(piece, of_pick, lines, longest):
-    """Rows of a piece and how sure they are, on range lines of the image, NaN where it has none."""
+def on_lines(piece, values, lines):
+    """Values of the picks of a piece on range lines of the image, NaN where it has none.
+
+    Lines that its chain skips, `LINKING.longest_lines` at most, are filled straight.
+    """
     after = np.minimum(np.searchsorted(piece.line, lines).clip(1), piece.line.size - 1)
     gap = piece.line[after] - piece.line[after - 1]
-    within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= longest)
+    within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= LINKING.longest_lines)
     known = within | np.isin(lines, piece.line)
-    return tuple(
-        np.where(known, np.interp(lines, piece.line, values), np.nan)
-        for values in (piece.row, of_pick)
-    )
+    return np.where(known, np.interp(lines, piece.line, values), np.nan)
 
 
 def between_lines(values, place):

@@ -7,7 +7,7 @@ from planted_layers import BIN_S, NAMES, SURFACE_BIN, planted, ridge_weights, wr
 
 from snowsim.echogram import bin_size_s, check_layers
 from snowsim.io import read_echogram
-from snowsim.picking.picker import deepest_row
+from snowsim.tracker import deepest_row
 from snowsim.tracking import Tracker
 
 # In the tracker's bins. A ridge 1.3 bins wide peaks within half a bin of where it is planted;
