@@ -1,5 +1,7 @@
 """Flights that the shipped tracker never saw: which they are, and how it is scored on them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -10,14 +12,19 @@ from toy_scenes import logits_at, toy_scenes, with_ridges
 from pretrained.confidence import fit_confidence
 from pretrained.resizing import resized
 from pretrained.scores import (
+    EVIDENCE,
+    THRESHOLDS,
     Calibrated,
     followed,
     on_pixels,
+    pick_curve,
+    pick_scores,
     reliability_of,
     score_tracker,
+    threshold_of,
 )
 from pretrained.transfer import check_flights, reference_of, scale_of
-from snowsim.tracker import Calibration, fused_logits
+from snowsim.tracker import Calibration, Linking, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]
 UNSEEN = CONFIG["studies"]["transfer"]["flights"]
@@ -80,6 +87,25 @@ def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
     assert_allclose(sure.mean(), 2 / 3, atol=0.1)
     curve = reliability_of(picks, scenes)
     assert curve.n_pixels.sum() == sure.size
+
+
+def test_of_two_thresholds_that_one_is_taken_at_which_picks_are_better():
+    scenes = toy_scenes(4)
+    # Beside the layers stand ridges a third as high, ten bins lower, in every scene.
+    logits = [np.maximum(logits_at(each), logits_at(each, 10.0) / 3) for each in scenes]
+    curve = pick_curve(logits, scenes, SURE)
+    assert len(curve) == len(THRESHOLDS) * len(EVIDENCE)
+    as_linked = curve[curve["evidence_log_odds"] == Linking().evidence_log_odds]
+    assert as_linked.set_index("threshold")["f"][threshold_of(curve)] == as_linked["f"].max()
+    # More is missed and less is false as a chain must gather more.
+    by_evidence = curve.groupby("evidence_log_odds")[["missed_share", "false_share"]].mean()
+    assert by_evidence["missed_share"].is_monotonic_increasing
+    assert by_evidence["false_share"].is_monotonic_decreasing
+    # The table says of the package's linking what scores of picks say.
+    tracker = Calibrated(None, replace(SURE, threshold=0.5))
+    picks = [followed(each, tracker, each.shape) for each in logits]
+    expected = pick_scores(picks, scenes)["f"]
+    assert_allclose(as_linked.set_index("threshold")["f"][0.5], expected, rtol=1e-12)
 
 
 class Brightness(torch.nn.Module):

@@ -16,15 +16,23 @@ from snowsim.tracker import (
     CONFIDENCE,
     WITHIN_BINS,
     Calibration,
+    Linking,
     between_lines,
     confidence,
     edge_scores,
+    find_candidates,
     fused_logits,
     join,
+    link,
     on_lines,
     pieces_in,
     reliability,
+    rows_of,
 )
+
+# Probabilities, and what a chain must gather, that picks are scored at to choose the threshold.
+THRESHOLDS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
+EVIDENCE = (40.0, 55.0, 70.0, 90.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +141,30 @@ def score_tracker(tracker, scenes, scale):
     scores |= pick_scores(picks, scenes)
     scores["deviation"] = reliability_of(picks, scenes, scale).deviation
     return scores
+
+
+def pick_curve(logits, scenes, calibration):
+    """Table of `pick_scores` by `threshold` and `evidence_log_odds`, on annotated scenes."""
+    rows = []
+    for evidence in EVIDENCE:
+        linking = Linking(evidence_log_odds=evidence)
+        for threshold in THRESHOLDS:
+            level = float(logit(threshold))
+            picks = []
+            for each in logits:
+                log_odds = (each - calibration.offset) / calibration.temperature
+                pieces = link(find_candidates(log_odds, linking, level), linking, level)
+                bins = rows_of(join(pieces), each.shape[1])
+                picks.append(Picks(bins, np.ones_like(bins)))
+            at = {"threshold": threshold, "evidence_log_odds": evidence}
+            rows.append(at | pick_scores(picks, scenes))
+    return pd.DataFrame(rows)
+
+
+def threshold_of(curve):
+    """Threshold at which picks have the best F, as the package links them."""
+    as_linked = curve[curve["evidence_log_odds"] == Linking().evidence_log_odds]
+    return float(as_linked.loc[as_linked["f"].idxmax(), "threshold"])
 
 
 def pick_scores(picks, scenes):

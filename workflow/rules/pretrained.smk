@@ -106,6 +106,7 @@ rule calibrate_pretrained:
     output:
         calibration="results/pretrained/calibration.csv",
         reliability="results/pretrained/reliability.csv",
+        curve="results/pretrained/pick_curve.csv",
         confidence="results/pretrained/confidence.csv",
         pick_reliability="results/pretrained/pick_reliability.csv",
     log:
