@@ -29,7 +29,6 @@ NETWORKS = (
     "snowsim.tracker.train",
     "snowsim.patches",
     "snowsim.training",
-    "snowsim.io.models",
     "snowsim.learning",
 )
 # With these modules not to be had, import all others, then run the examples of the public

@@ -1,4 +1,7 @@
-"""Trained networks, unfinished trainings and trackers in files."""
+"""Trained networks, unfinished trainings and trackers in files.
+
+Trackers need no safetensors, which is imported where networks are read and written.
+"""
 
 import hashlib
 import json
@@ -6,8 +9,6 @@ from importlib import resources
 from pathlib import Path
 
 import numpy as np
-from safetensors import safe_open
-from safetensors.numpy import save_file
 
 from snowsim import __version__
 from snowsim.io.files import Refused, library_errors, refusal, write_bytes, written_whole
@@ -25,6 +26,8 @@ def write_model(path, arrays, metadata):
     holds: kind, settings, seed, step, fingerprint of the data. The version of this package is
     added.
     """
+    from safetensors.numpy import save_file
+
     header = {"format": FORMAT, "version": __version__, **metadata}
     flat = {name: np.asarray(array, order="C") for name, array in _flat(arrays)}
     with written_whole(path) as aside:
@@ -37,6 +40,8 @@ def read_model(path, expected=None):
     Nothing in it is executed. A file that is truncated, no model, or made with other metadata than
     `expected` is refused: settings, seed and fingerprint of the training it is to continue.
     """
+    from safetensors import safe_open
+
     with (
         library_errors(path, "model: expected a whole safetensors file"),
         safe_open(path, framework="numpy") as file,
