@@ -15,6 +15,7 @@ PUBLIC = (
     "snowsim.simulate",
     "snowsim.scenes",
     "snowsim.statistics.fit",
+    "snowsim.statistics.varied",
     "snowsim.labels.draw",
     "snowsim.phy.mean_power",
     "snowsim.phy.render",
