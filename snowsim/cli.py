@@ -361,34 +361,54 @@ def train(sources, model, n_steps, force, **settings):
     default=256,
     help="Range lines of the echogram.",
 )
+@click.option(
+    "--after", type=EXISTING, help="Echogram of the frame before: time and position go on."
+)
 @over_option
 @seed_option
 @click.pass_context
 def simulate(
-    context, echogram, radar, changes, profile, n_range_lines, force, seed, **settings,
+    context, echogram, radar, changes, profile, n_range_lines, after, force, seed, **settings,
 ):  # fmt: skip
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
     --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
+    Data_YYYYMMDD_SS_FFF.mat is written as a CReSIS L1B file, layers to CSARP_layer.
 
     \b
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
       snowsim simulate echogram.nc --profile pit.csv --depth-unit cm
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
+      snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
     """  # noqa: D205, D301
+    from snowsim.io import read_echogram
+    from snowsim.io.echograms import named_frame, write_cresis
     from snowsim.io.files import write_dataset
+    from snowsim.io.layers import write_simulated_layers
     from snowsim.snowpack import Climate, Radar, simulate
 
+    segment, number = named_frame(echogram)
     path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
-    check_outputs([echogram, path_to_layers], force)
+    writers = (write_dataset, write_dataset)
+    if echogram.suffix == ".mat":
+        path_to_layers = echogram.parent / "CSARP_layer" / echogram.name
+        writers = (write_cresis, write_simulated_layers)
+        if segment is None:
+            msg = f"{echogram}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
+            raise click.UsageError(msg)
+    check_outputs([echogram, path_to_layers], force, ".nc", ".mat")
     of_climate = {name: settings.pop(name) for name in CLIMATE}
     check_snow(context, profile is not None, CLIMATE, settings)
     radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
         snow = Climate(**of_climate) if profile is None else measured_snow(profile, settings)
-        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed)
-    for path, dataset in ((echogram, seen), (path_to_layers, layers)):
-        write_dataset(path, dataset)
+        before = None if after is None else read_echogram(after)
+        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
+    paths = (echogram, path_to_layers)
+    for path, dataset, write in zip(paths, (seen, layers), writers, strict=True):
+        if segment is not None:
+            dataset.attrs["granule"] = f"{segment}_{number:03d}"
+        write(path, dataset)
         sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
         click.echo(f"{path}: {sizes}")
 
@@ -444,16 +464,16 @@ def echo_warnings():
         click.echo(f"warning: {text}", err=True)
 
 
-def check_outputs(paths, force, ending=".nc"):
-    """Refuse a first file of another ending, and any in no folder or, unless by force, over others.
+def check_outputs(paths, force, *endings):
+    """Refuse a first file of another ending or in no folder, and any, unless by force, over others.
 
     Names of further files are made of the first.
     """
     for path in paths:
         problem = None
-        if path == paths[0] and path.suffix != ending:
-            problem = f"end the name of the file in {ending}"
-        elif not path.parent.is_dir():
+        if path == paths[0] and path.suffix not in endings:
+            problem = f"end the name of the file in {' or '.join(endings)}"
+        elif path == paths[0] and not path.parent.is_dir():
             problem = f"there is no folder {path.parent}"
         elif path.exists() and not force:
             problem = "the file is there, --force writes over it"

@@ -17,10 +17,10 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import echogram, read_echogram
+from snowsim.io.echograms import named_frame
 from snowsim.io.files import is_png, refusal
 from snowsim.io.layers import (
     layer_numbers,
-    named_frame,
     refuse_existing,
     refuse_other_frames,
     write_layer_files,
@@ -425,6 +425,8 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
             rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
             layers = layers.assign(row=rows)
             layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
+        else:
+            layers = layers.assign_attrs(granule=f"{frame.segment}_{frame.number:03d}")
         write_layers(path, layers, force=force)
         for picture in pictures:
             write_picture(picture, layers, [_read(frame.path, bin_s)])

@@ -1,5 +1,6 @@
 """Files opened once: their format by their content, and their variables."""
 
+import io
 import math
 import mmap
 import os
@@ -18,7 +19,14 @@ import scipy.io
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
-from snowsim.io.files import MAXIMUM_BYTES, Refused, library_errors, listed, refusal
+from snowsim.io.files import (
+    MAXIMUM_BYTES,
+    Refused,
+    library_errors,
+    listed,
+    refusal,
+    write_bytes,
+)
 
 MAT_HEADER_BYTES = 128
 COMPRESSED = 15  # type of a compressed element, in one of the four bytes behind the header
@@ -175,6 +183,19 @@ def _plain(node, read):
     if node.dtype == h5py.ref_dtype:
         return [_plain(node.file[reference], read) for reference in values.ravel()]
     return "".join(map(chr, values.ravel())) if is_text else np.squeeze(values.T)
+
+
+# MAT v5 begins with a text of this length. The date that scipy writes there would make the bytes
+# of the same content differ.
+TEXT_BYTES = 116
+
+
+def write_matlab(path, what, content):
+    """Write variables by name as MAT v5, whole or not at all; the file's header says `what`."""
+    buffer = io.BytesIO()
+    scipy.io.savemat(buffer, content, do_compression=True)
+    text = f"MATLAB 5.0 MAT-file, {what} by snowsim".ljust(TEXT_BYTES)
+    write_bytes(path, text.encode() + buffer.getvalue()[TEXT_BYTES:])
 
 
 SUPPLEMENT_FLAGS = (

@@ -8,7 +8,7 @@ import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import SUPPLEMENT_FLAGS, read_matlab, read_netcdf
+from snowsim.io.containers import SUPPLEMENT_FLAGS, read_matlab, read_netcdf, write_matlab
 from snowsim.io.files import MAXIMUM_BYTES, Refused, library_errors, refusal
 
 UNITS = {
@@ -42,6 +42,8 @@ LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
 # Of all that a file tells, this much goes with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
+# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
+NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 THIS_AGE = ("1980-01-06", "2100-01-01")
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
@@ -50,6 +52,12 @@ LEAP_DAYS = sorted(
     [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
     + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
 )
+
+
+def named_frame(path):
+    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
+    named = NAMED.search(Path(path).stem)
+    return (named[1], int(named[2])) if named else (None, None)
 
 
 def echogram_dataset(where, content, attributes, *, decibels=False):
@@ -150,6 +158,20 @@ def utc_times(seconds, epoch="1970-01-01", *, gps=False):
     whole = np.floor(seconds)
     nanoseconds = np.rint((seconds - whole) * 1e9)
     return start + whole.astype("timedelta64[s]") + nanoseconds.astype("timedelta64[ns]")
+
+
+def gps_seconds(slow_time):
+    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
+
+    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
+    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
+    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
+    """
+    nanoseconds = np.asarray(slow_time, dtype="datetime64[ns]").astype(np.int64)
+    days = np.array(LEAP_DAYS, dtype="datetime64[ns]").astype(np.int64)
+    offset = int(np.searchsorted(days, nanoseconds[0], side="right"))
+    whole, rest = np.divmod(nanoseconds, 1_000_000_000)
+    return (whole + offset) + rest * 1e-9
 
 
 def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
@@ -325,3 +347,30 @@ def _unscaled(data, values):
     """Decibels that integers stand for."""
     step_db = np.float32(values["maxData"] / np.iinfo(data.dtype).max)
     return data.astype(np.float32) * step_db + np.float32(values["minData"])
+
+
+def write_cresis(path, echogram):
+    """Write an echogram of `snowsim.simulate` as a CReSIS L1B file, MAT v5.
+
+    Its name tells segment and frame; GPS seconds have their leap seconds.
+    """
+    segment, _ = named_frame(path)
+    low_hz = echogram.attrs["centre_hz"] - echogram.attrs["bandwidth_hz"] / 2
+    sweep = {"f0": low_hz, "f1": low_hz + echogram.attrs["bandwidth_hz"], "fmult": 1.0}
+    records = {"gps_source": "", "cmd": {"mission_names": ""}, "radar": {"wfs": sweep}}
+    content = {
+        "Data": echogram["Data"].transpose("twtt", "slow_time").values,
+        "Time": echogram["twtt"].values[:, None],
+        "GPS_time": gps_seconds(echogram["slow_time"].values)[None],
+        "param_records": parameters(segment, echogram.attrs) | records,
+    }
+    for name in ALONG_TRACK:
+        if name in echogram:
+            content[name] = echogram[name].values[None]
+    write_matlab(path, "echogram", content)
+
+
+def parameters(segment, attributes):
+    """Struct of parameters: radar, season and segment, as far as the echogram tells."""
+    known = {name: str(attributes.get(name, "")) for name in PARAMETERS}
+    return known | {"day_seg": segment, "sw_version": {"ver": "snowsim"}}

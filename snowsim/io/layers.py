@@ -1,18 +1,23 @@
 """Layer files of every format, read and written."""
 
-import io
 import re
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import scipy.io
 import xarray as xr
 
 from snowsim.echogram import check_layers
-from snowsim.io.containers import read_matlab
-from snowsim.io.echograms import LEAP_DAYS, PARAMETERS, UNITS, load_opr, utc_times
-from snowsim.io.files import Refused, library_errors, one_line, refusal, write_bytes, write_dataset
+from snowsim.io.containers import read_matlab, write_matlab
+from snowsim.io.echograms import (
+    UNITS,
+    gps_seconds,
+    load_opr,
+    named_frame,
+    parameters,
+    utc_times,
+)
+from snowsim.io.files import Refused, library_errors, listed, one_line, refusal, write_dataset
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's convention.
@@ -192,21 +197,9 @@ def _layers_dataset(values, picks, names, source):
     return dataset.assign_attrs(empty_layers=", ".join(dataset["layer"].values[without]))
 
 
-# MAT v5 begins with a text of this length. The date that scipy writes there would make the bytes
-# of the same layers differ.
-HEADER_BYTES = 116
-HEADER = b"MATLAB 5.0 MAT-file, layers by snowsim".ljust(HEADER_BYTES)
 VERSION = "1"
-# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
-NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 GROUP_OF_SURFACE = "standard"
 GROUP = "snowsim"
-
-
-def named_frame(path):
-    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
-    named = NAMED.search(Path(path).stem)
-    return (named[1], int(named[2])) if named else (None, None)
 
 
 def write_layer_files(folder, segment, frames, *, force=False):
@@ -255,10 +248,24 @@ def write_layer_files(folder, segment, frames, *, force=False):
     for path in contents if not force else ():
         refuse_existing(path)
     for path, content in contents.items():
-        buffer = io.BytesIO()
-        scipy.io.savemat(buffer, content, do_compression=True)
-        write_bytes(path, HEADER + buffer.getvalue()[HEADER_BYTES:])
+        write_matlab(path, "layers", content)
     return list(contents)
+
+
+def write_simulated_layers(path, layers):
+    """Write layers of one frame as a CReSIS layer file, and the organizer beside it.
+
+    ValueError where one is there that names others.
+    """
+    segment, _ = named_frame(path)
+    organizer = path.with_name(f"layer_{segment}.mat")
+    names = _layer_names(layers.sizes["layer"])
+    there = [name for name, _ in _organized(path).values()]
+    if there not in ([], names):
+        raise refusal(organizer, "lyr_name", listed(names), listed(there))
+    content = _organizer_content(segment, layers.attrs, len(names), "simulated")
+    write_matlab(organizer, "layers", content)
+    write_matlab(path, "layers", _frame_content(segment, layers, len(names)))
 
 
 def layer_numbers(layers):
@@ -312,20 +319,6 @@ def refuse_existing(path):
         raise refusal(path, "file", "none to be there, or force", "one")
 
 
-def gps_seconds(slow_time):
-    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
-
-    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
-    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
-    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
-    """
-    nanoseconds = np.asarray(slow_time, dtype="datetime64[ns]").astype(np.int64)
-    days = np.array(LEAP_DAYS, dtype="datetime64[ns]").astype(np.int64)
-    offset = int(np.searchsorted(days, nanoseconds[0], side="right"))
-    whole, rest = np.divmod(nanoseconds, 1_000_000_000)
-    return (whole + offset) + rest * 1e-9
-
-
 def _frame_content(segment, layers, n_layers):
     """Variables of a frame's layer file, shaped as MATLAB has them."""
     shape = (n_layers, layers.sizes["slow_time"])
@@ -338,7 +331,7 @@ def _frame_content(segment, layers, n_layers):
         "gps_time": gps_seconds(layers["slow_time"].values)[None],
         "id": 1.0 + np.arange(n_layers)[None],
         "twtt": twtt,
-        "param": _parameters(segment, layers.attrs),
+        "param": parameters(segment, layers.attrs),
     }
     for theirs, ours in RENAMED.items():
         if ours in POSITIONS:
@@ -350,8 +343,8 @@ def _frame_content(segment, layers, n_layers):
     return content
 
 
-def _organizer_content(segment, attributes, n_layers):
-    """Variables of the file that names the layers of a segment."""
+def _organizer_content(segment, attributes, n_layers, origin="tracked"):
+    """Variables of the file that names the layers of a segment, and tells their origin."""
     numbers = 1.0 + np.arange(n_layers)[None]
     below = range(1, n_layers)
     nothing = [np.empty((0, 0), dtype=object)] * n_layers
@@ -360,19 +353,17 @@ def _organizer_content(segment, attributes, n_layers):
         "file_version": VERSION,
         "lyr_age": np.full((1, n_layers), np.nan),
         "lyr_age_source": _cell(nothing),
-        "lyr_desc": _cell(["snow surface", *("snow layer, tracked" for _ in below)]),
+        "lyr_desc": _cell(["snow surface", *(f"snow layer, {origin}" for _ in below)]),
         "lyr_group_name": _cell([GROUP_OF_SURFACE, *(GROUP for _ in below)]),
         "lyr_id": numbers,
-        "lyr_name": _cell([SURFACE, *(f"snow_{layer}" for layer in below)]),
+        "lyr_name": _cell(_layer_names(n_layers)),
         "lyr_order": numbers,
-        "param": _parameters(segment, attributes),
+        "param": parameters(segment, attributes),
     }
 
 
-def _parameters(segment, attributes):
-    """Struct `param`: radar, season and segment, as far as the echogram tells."""
-    known = {name: str(attributes.get(name, "")) for name in PARAMETERS}
-    return known | {"day_seg": segment, "sw_version": {"ver": "snowsim"}}
+def _layer_names(n_layers):
+    return [SURFACE, *(f"snow_{layer}" for layer in range(1, n_layers))]
 
 
 def _cell(values):

@@ -10,10 +10,11 @@ from snowsim.echogram import (
     MINIMUM_ROWS,
     ROWS_BELOW_LAST_LAYER,
     SURFACE_ROW,
+    check_echogram,
     scene_height,
     to_db,
 )
-from snowsim.io.echograms import echogram_dataset
+from snowsim.io.echograms import echogram_dataset, named_frame
 from snowsim.io.files import MAXIMUM_BYTES
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render
@@ -29,6 +30,7 @@ from snowsim.snowpack.physical import (
 
 # A flight due north.
 START = np.datetime64("2000-01-01", "ns")
+FIRST_GRANULE = "20000101_01_001"
 SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0
@@ -43,7 +45,7 @@ LINES_AT_ONCE = 1024
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
+def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=None):
     """Echogram of a snowpack as a radar sees it, and its layers.
 
     Parameters
@@ -57,6 +59,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     rng : int or numpy.random.Generator
     exact : bool, optional
         See `snowsim.phy.render`.
+    after : xarray.Dataset, optional
+        Echogram of the frame before: time, position and the frame's number go on where it ended.
+        The snow does not.
 
     Returns
     -------
@@ -70,7 +75,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     ------
     ValueError
         If `n_range_lines` is below 1, differs from that of the snowpack, or makes an echogram
-        larger than readers take, or if the surface rises to the radar.
+        larger than readers take; if the surface rises to the radar; if `after` ends at no position.
 
     Notes
     -----
@@ -116,8 +121,11 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
         # A window with its parameters is no attribute of a file.
         "window": str(radar.window),
         "synthetic": "simulated from a snowpack and a radar, not observed data",
+        "granule": _granule(after),
+        "radar_name": "simulated",
+        "season_name": "simulated",
     }
-    content = _track(n_range_lines, radar) | {
+    content = _track(n_range_lines, radar, after) | {
         "Data": power,
         "twtt": first_s + np.arange(power.shape[0]) * radar.bin_s,
         "Surface": first_s + layer_bins[0] * radar.bin_s,
@@ -162,7 +170,8 @@ def _layers(echogram, twtt_s, peak_s, power_db, buried):
         variables[name] = (on, np.broadcast_to(value_m, twtt_s.shape), {"units": "m"})
     for name, code in CODES.items():
         variables[name] = (on, np.full(twtt_s.shape, code, np.int8))
-    return xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, echogram.attrs)
+    layers = xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, echogram.attrs)
+    return layers.assign(echogram[["Latitude", "Longitude", "Elevation"]])
 
 
 def _check_lines(n_range_lines, snowpack, radar):
@@ -197,13 +206,32 @@ def _surface_row(surface_s, radar):
     return min(above, int(height_s / radar.bin_s))
 
 
-def _track(n_range_lines, radar):
-    """Times and positions of a flight due north, as variables of an echogram."""
-    distance_m = np.arange(n_range_lines) * radar.line_spacing_m
+def _granule(after):
+    """Segment and number of a frame, as Open Polar Radar names it: the first, or that after one."""
+    told = "" if after is None else str(after.attrs.get("granule", ""))
+    segment, number = named_frame(told)
+    return FIRST_GRANULE if segment is None else f"{segment}_{number + 1:03d}"
+
+
+def _track(n_range_lines, radar, after):
+    """Times and positions of a flight due north, as variables of an echogram.
+
+    It begins at one place and time, or a range line after the last one of a frame.
+    """
+    line = np.arange(n_range_lines)
+    start = {"slow_time": START, "Latitude": LATITUDE, "Longitude": LONGITUDE}
+    if after is not None:
+        check_echogram(after, "after")
+        line = line + 1
+        start = {name: after[name].values[-1] for name in start}
+        check_values("after: Latitude and Longitude of its end", [*start.values()][1:])
+    distance_m = line * radar.line_spacing_m
     elapsed_ns = np.rint(1e9 * distance_m / SPEED_M_S)
     return {
-        "slow_time": START + elapsed_ns.astype("timedelta64[ns]"),
-        "Latitude": LATITUDE + distance_m / METRES_PER_DEGREE,
-        "Longitude": np.full(n_range_lines, LONGITUDE),
+        "slow_time": start["slow_time"] + elapsed_ns.astype("timedelta64[ns]"),
+        "Latitude": start["Latitude"] + distance_m / METRES_PER_DEGREE,
+        "Longitude": np.full(n_range_lines, start["Longitude"]),
         "Elevation": np.full(n_range_lines, float(radar.height_m)),
+        # Level flight, which readers of L1B files expect to be told.
+        **dict.fromkeys(("Roll", "Pitch", "Heading"), np.zeros(n_range_lines)),
     }

@@ -62,7 +62,7 @@ def frames_to_track(path_to_table, per_job):
     since layers keep their names along it. A frame whose file names no segment is one by itself.
     """
     from snowsim.io.frames import TRACK, read_frames
-    from snowsim.io.layers import named_frame
+    from snowsim.io.echograms import named_frame
 
     table = read_frames(path_to_table)
     segments = {}

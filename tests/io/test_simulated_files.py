@@ -1,0 +1,131 @@
+"""Simulated frames as CReSIS files, opened by readers that are not ours."""
+
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+from formats import refused
+from numpy.testing import assert_array_equal
+
+import snowsim
+from snowsim import cli
+from snowsim.io import read_echogram, read_layers
+
+FRAME = "Data_20120330_04_001.mat"
+NEXT = "Data_20120330_04_002.mat"
+LEAP_SECONDS = 13  # GPS - UTC on 2000-01-01, where simulated flights begin
+
+
+def simulated(**settings):
+    snow = snowsim.Snowpack(depth_m=[0, 1.0], density_kg_m3=[340, 400])
+    return snowsim.simulate(snow, "snow-2012", n_range_lines=8, rng=1, **settings)
+
+
+def written(folder, name=FRAME, **settings):
+    """Echogram and layers as a command wrote them as `name`, and as `simulate` gives them."""
+    options = [f"--{option}={value}" for option, value in settings.items()]
+    path = folder / name
+    cli.commands.main(
+        ["simulate", str(path), "--range-lines", "40", *options], standalone_mode=False
+    )
+    climate = snowsim.Climate(accumulation_m=0.3)
+    made = snowsim.simulate(climate, "snow-2-8", n_range_lines=40, rng=0)
+    return path, folder / "CSARP_layer" / name, *made
+
+
+def gps_seconds(echogram):
+    since = echogram["slow_time"].values - np.datetime64("1970-01-01", "ns")
+    # Doubles of this age lie 1.2e-7 s apart.
+    return since / np.timedelta64(1, "s") + LEAP_SECONDS
+
+
+def test_a_simulated_l1b_file_holds_every_value_under_its_name(tmp_path):
+    path, path_to_layers, echogram, layers = written(tmp_path)
+    stored = scipy.io.loadmat(path, simplify_cells=True)
+    assert_array_equal(stored["Data"], echogram["Data"].transpose("twtt", "slow_time"))
+    assert_array_equal(stored["Time"], echogram["twtt"])
+    for name in ("Latitude", "Longitude", "Elevation", "Surface", "Roll", "Pitch", "Heading"):
+        assert_array_equal(stored[name], echogram[name])
+    np.testing.assert_allclose(stored["GPS_time"], gps_seconds(echogram), rtol=0, atol=2.4e-7)
+    assert stored["param_records"]["day_seg"] == "20120330_04"
+    picks = scipy.io.loadmat(path_to_layers, simplify_cells=True)
+    assert_array_equal(picks["twtt"], layers["twtt"])
+    assert_array_equal(picks["gps_time"], stored["GPS_time"])
+    assert_array_equal(picks["lat"], echogram["Latitude"])
+
+
+def test_simulated_files_are_read_back_as_they_were_made(tmp_path):
+    path, path_to_layers, echogram, layers = written(tmp_path)
+    read = read_echogram(path)
+    for name in ("Data", "twtt", "Surface", "Latitude"):
+        assert_array_equal(read[name].values, echogram[name].values)
+    assert np.abs(read["slow_time"].values - echogram["slow_time"].values).max() < 240
+    found = read_layers(path_to_layers)
+    assert_array_equal(found["twtt"], layers["twtt"])
+    assert found["layer"].values.tolist() == ["surface", *(f"snow_{i}" for i in range(1, 21))]
+
+
+def test_a_frame_after_another_goes_on_in_time_and_place(tmp_path):
+    first, *_ = written(tmp_path)
+    second, *_ = written(tmp_path, NEXT, after=first, seed=1)
+    both = [scipy.io.loadmat(path, simplify_cells=True) for path in (first, second)]
+    for name, step in (("GPS_time", 5.2 / 130), ("Latitude", 5.2 / 111_195)):
+        joined = np.concatenate([stored[name] for stored in both])
+        # Rounded to 2.4e-7 s and 1.4e-14 degrees.
+        np.testing.assert_allclose(np.diff(joined), step, rtol=1e-5)
+
+
+def test_a_number_of_a_frame_goes_on_and_a_name_tells_it(tmp_path):
+    first, _ = simulated()
+    second, layers = simulated(after=first)
+    assert first.granule == "20000101_01_001"
+    assert second.granule == layers.granule == "20000101_01_002"
+    written(tmp_path, "Data_20120330_04_007.nc")
+    for name in ("Data_20120330_04_007.nc", "Data_20120330_04_007_layers.nc"):
+        with xr.open_dataset(tmp_path / name) as stored:
+            assert stored.granule == "20120330_04_007"
+
+
+def test_a_frame_without_a_place_has_none_after_it():
+    frame, _ = simulated()
+    frame["Latitude"][-1] = np.nan
+    with pytest.raises(ValueError, match="after: Latitude and Longitude of its end"):
+        simulated(after=frame)
+
+
+def test_an_organizer_of_other_layers_is_not_written_over(tmp_path):
+    organizer = tmp_path / "CSARP_layer" / "layer_20120330_04.mat"
+    organizer.parent.mkdir()
+    content = {"lyr_id": [1.0, 2.0], "lyr_name": np.array(["surface", "bottom"], object)}
+    scipy.io.savemat(organizer, content)
+    before = organizer.read_bytes()
+    refused(lambda _: written(tmp_path), organizer, "expected snow_1, snow_10, .* found bottom, surface")
+    assert organizer.read_bytes() == before
+
+
+@pytest.mark.clients
+def test_xopr_and_impdar_open_simulated_files(tmp_path):
+    access = pytest.importorskip("xopr.opr_access")
+    load = pytest.importorskip("impdar.lib.load")
+    path, path_to_layers, echogram, layers = written(tmp_path)
+    connection = access.OPRConnection()
+    frame = connection.load_frame_url(str(path))
+    for name in ("Data", "Latitude", "Longitude", "Elevation", "Surface", "twtt"):
+        assert_array_equal(frame[name].values, echogram[name].values)
+    picks = connection.load_layers_file(str(path_to_layers))
+    assert_array_equal(picks["twtt"].values, layers["twtt"].values)
+    assert_array_equal(picks["slow_time"].values, frame["slow_time"].values)
+    (radar,) = load.load("mcords_mat", [str(path)])
+    assert_array_equal(radar.data, 10 * np.log10(echogram["Data"].values))
+    assert_array_equal(radar.travel_time, 1e6 * echogram["twtt"].values)
+    assert_array_equal(radar.long, echogram["Longitude"].values)
+
+
+@pytest.mark.clients
+def test_xopr_joins_frames_that_follow_one_another():
+    tools = pytest.importorskip("xopr.opr_tools")
+    first, _ = simulated()
+    second, _ = simulated(after=first)
+    joined = tools.merge_frames([second, first])
+    assert_array_equal(joined["Data"].values[:, :8], first["Data"].values)
+    assert_array_equal(joined["Data"].values[:, 8:], second["Data"].values)
