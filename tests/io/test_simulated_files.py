@@ -99,7 +99,7 @@ def test_an_organizer_of_other_layers_is_not_written_over(tmp_path):
     content = {"lyr_id": [1.0, 2.0], "lyr_name": np.array(["surface", "bottom"], object)}
     scipy.io.savemat(organizer, content)
     before = organizer.read_bytes()
-    refused(lambda _: written(tmp_path), organizer, "expected snow_1, snow_10, .* found bottom, surface")
+    refused(lambda _: written(tmp_path), organizer, "expected snow_1, .* found bottom")
     assert organizer.read_bytes() == before
 
 

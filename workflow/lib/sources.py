@@ -61,8 +61,8 @@ def frames_to_track(path_to_table, per_job):
     A job has about `per_job` frames. A segment is never divided between jobs, however long it is,
     since layers keep their names along it. A frame whose file names no segment is one by itself.
     """
-    from snowsim.io.frames import TRACK, read_frames
     from snowsim.io.echograms import named_frame
+    from snowsim.io.frames import TRACK, read_frames
 
     table = read_frames(path_to_table)
     segments = {}
