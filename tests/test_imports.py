@@ -2,6 +2,7 @@
 
 import ast
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -41,8 +42,14 @@ ONLY = {
     "matplotlib": {"io"},
     "snakemake": set(),
 }
-# Packages of the workflow, which nothing in snowsim imports.
-WORKFLOW = {"evaluation", "lib", "pretrained", "reference"}
+# Folders of the workflow, and which others each may import; nothing in snowsim imports any.
+WORKFLOW = {
+    "reference": set(),
+    "lib": {"reference"},
+    "pretrained": {"lib", "reference"},
+    "scripts": {"lib", "pretrained", "reference"},
+    "evaluation": {"lib", "pretrained", "reference", "scripts"},
+}
 # What PHY makes of a snowpack, as a dataset of `io`; the rest of snowpack stands on the core alone.
 SIMULATION = Path("snowpack/simulation")
 MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
@@ -117,19 +124,28 @@ def test_tracking_and_scoring_load_no_torch_and_nothing_loads_onnxruntime_before
     assert "onnxruntime" not in loaded
 
 
-def test_the_main_path_imports_nothing_that_judges_it():
-    for folder in ("scripts", "lib", "pretrained"):
-        for path in (PACKAGE.parent / "workflow" / folder).glob("*.py"):
-            names = imported_names(path)
-            assert not [name for name in names if name.startswith(("evaluation", "main_path"))]
+def test_modules_import_each_other_in_no_circle():
+    names = {module: ".".join(("snowsim", *module.parts)) for module in MODULES}
+    known = {name.removesuffix(".__init__"): name for name in names.values()}
+    arrows = {}
+    for module, name in names.items():
+        # What is imported is a module, or a name in one.
+        found = imported_names(module)
+        parts = {each for each in found if each in known}
+        parts |= {each.rpartition(".")[0] for each in found - parts}
+        arrows[name] = {known[each] for each in parts & known.keys()} - {name, "snowsim.__init__"}
+    TopologicalSorter(arrows).prepare()  # CycleError names the circle
+
+
+@pytest.mark.parametrize("folder", WORKFLOW)
+def test_folders_of_the_workflow_import_only_those_below_them(folder):
+    for path in (PACKAGE.parent / "workflow" / folder).rglob("*.py"):
+        roots = {name.partition(".")[0] for name in imported_names(path)}
+        assert roots & WORKFLOW.keys() <= WORKFLOW[folder] | {folder}, path
 
 
 def test_the_reference_flight_stands_on_the_core_and_the_physics_of_firn():
-    folder = PACKAGE.parent / "workflow/reference"
-    firn = ("snowsim.snowpack.firn.", "snowsim.snowpack.along_track.")
-    core = tuple(f"snowsim.{name}." for name in CORE)
-    for path in folder.glob("*.py"):
-        for name in imported_names(path):
-            root = name.partition(".")[0]
-            assert root not in WORKFLOW - {"reference"}, f"{path.name} imports {name}"
-            assert root != "snowsim" or name.startswith(core + firn), f"{path.name} imports {name}"
+    below = tuple(f"snowsim.{name}." for name in (*CORE, "snowpack.firn", "snowpack.along_track"))
+    for path in (PACKAGE.parent / "workflow/reference").glob("*.py"):
+        used = {name for name in imported_names(path) if name.startswith("snowsim.")}
+        assert all(name.startswith(below) for name in used), f"{path.name}: {used}"
