@@ -283,7 +283,7 @@ def echo_scores(table):
 @click.option(
     "--bin-s", type=POSITIVE, help="Range bin of the scenes; else as they tell, or 2.886e-10."
 )
-@click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Of their range lines.")
+@click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Distance of range lines.")
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Where to train.")
 @over_option
 @seed_option
@@ -299,13 +299,13 @@ def train(sources, model, n_steps, force, **settings):
     """  # noqa: D205, D301
     check_outputs([model], force, ".onnx")
     try:
-        from snowsim.learning import joined, train_tracker
+        from snowsim.learning import train_tracker
     except ModuleNotFoundError as error:
         msg = f"train needs {error.name}: pip install 'snowsim[learn]'"
         raise click.ClickException(msg) from error
 
-    scenes = joined([scene_set(source) for source in sources])
-    card = train_tracker(model, scenes, n_steps=n_steps, **settings)
+    sets = [scene_set(source) for source in sources]
+    card = train_tracker(model, sets, n_steps=n_steps, **settings)
     ods = card["calibration_ods"]
     click.echo(f"{model}: fused ODS {ods:.3g} on the scenes held out")
 
@@ -490,7 +490,7 @@ def check_outputs(paths, force, *endings):
     "folder",
     type=click.Path(file_okay=False),  # as text: a path of no name would be the folder one is in
     required=True,
-    help="Where layers go.",
+    help="Folder of the layers.",
 )
 @click.option("--model", default="universal", help="A tracker that is shipped, or its ONNX file.")
 @click.option("--png", is_flag=True, help="Draw the picks on every echogram, too.")

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from torch.utils.data import ConcatDataset, Subset
+
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count
 from snowsim.progress import shown
@@ -26,14 +28,14 @@ BIN_S = 2.886e-10
 ONE_IN = 10  # one scene in this many is held out for the calibration
 
 
-def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m, device="cpu"):
-    """Train a tracker on scenes; write it to `path` as ONNX, and its card beside it.
+def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_m, device="cpu"):
+    """Train a tracker on sets of scenes; write it to `path` as ONNX, and its card beside it.
 
     Parameters
     ----------
     path : path_like
         Ends in ``.onnx``.
-    scenes : sequence of Scene
+    sets : sequence of sequence of Scene
         Scenes with images. Every tenth, and at least one, is held out to calibrate the tracker;
         in these, layers without annotation count as background.
     start : str, optional
@@ -62,6 +64,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         `start` is no tracker, or if `device` asks for a GPU and there is none.
     """
     check_device(device)
+    scenes = ConcatDataset(sets)
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
@@ -72,13 +75,13 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     if start is not None:
         load_weights(training.network, begun_with.state_dict(), str(start))
     places = range(len(scenes))
-    taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
+    taken = Subset(scenes, [place for place in places if place % ONE_IN])
+    held = Subset(scenes, places[::ONE_IN])
     steps = train_steps(training, TrainingSet(taken, seed=seed))
     with shown(None, n_steps, unit="gradient") as bar:
         for step, _ in steps:
             bar.update(step - bar.n)
     network = trained_network(training.network.state_dict(), training.settings)
-    held = [scenes[place] for place in places if place % ONE_IN == 0]
     logits = [fused_logits(network, scene.image) for scene in held]
     calibration = calibrate(logits, held)
     begun = "" if start is None else f", starting from {start}"
@@ -96,8 +99,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
 
 def _bin_size_s(scenes, bin_s):
     """Range bin [s]: as given, else in notes of scenes, else `BIN_S`; ValueError if two differ."""
-    for place in range(len(scenes)):
-        scene = scenes[place]
+    for scene in scenes:
         own_s = scene.notes.get("bin_size_s")
         if own_s is None:
             continue
@@ -119,22 +121,3 @@ def network_of_tracker(name):
         raise ValueError(msg)
     content, _ = read_tracker(path)
     return network_of_onnx(content)
-
-
-class Chosen:
-    """A sequence of scenes, from pairs (set, place in it); a scene is read when it is asked for."""
-
-    def __init__(self, places):
-        self._places = places
-
-    def __len__(self):
-        return len(self._places)
-
-    def __getitem__(self, item):
-        scenes, place = self._places[item]
-        return scenes[place]
-
-
-def joined(sets):
-    """The scenes of several sets, one after the other."""
-    return Chosen([(scenes, place) for scenes in sets for place in range(len(scenes))])

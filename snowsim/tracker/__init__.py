@@ -33,7 +33,7 @@ MODULES = {
         "pick_layers",
         "pieces_in",
         "probability_of",
-        "rows_of",
+        "rows_in_image",
     ),
     "portable": ("network_of_onnx", "to_onnx"),
     "published": ("PublishedNetwork",),

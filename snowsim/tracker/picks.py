@@ -12,7 +12,7 @@ from snowsim.tracker.inputs import Canonical
 from snowsim.tracker.joining import downwards, join
 from snowsim.tracker.layers import confidence, layers_of_frame, on_lines
 from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
-from snowsim.tracker.windows import log_odds_by_lines
+from snowsim.tracker.windows import log_odds_by_lines, to_input
 
 # A candidate so near to the surface is the surface.
 SURFACE_ROWS = 3.0
@@ -28,12 +28,24 @@ def pieces_in(log_odds, threshold):
     return link(find_candidates(log_odds, LINKING, threshold), LINKING, threshold)
 
 
-def rows_of(pieces, n_lines):
-    """Rows of pieces that come downwards, (layer, range_line), NaN where there is no pick."""
-    lines = np.arange(n_lines)
-    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, n_lines)
+def rows_in(log_odds, threshold):
+    """Rows of the layers in a map of log-odds, (layer, range_line) downwards, NaN without a pick.
+
+    Each piece is a layer: `join` gives those on either side of a long gap one name.
+    """
+    lines = np.arange(log_odds.shape[1])
+    pieces = downwards(pieces_in(log_odds, threshold))
+    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, lines.size)
     rows[crossing_layers(rows)] = np.nan
     return rows
+
+
+def rows_in_image(run, image, card):
+    """`rows_in` an 8-bit image (row, range_line) that is as the tracker was trained to see it.
+
+    `run` gives log-odds of a stack of inputs.
+    """
+    return rows_in(run(to_input(image))[0, 0], card.threshold_log_odds)
 
 
 def pick_layers(probability, *, threshold, where="image"):
@@ -65,7 +77,7 @@ def pick_layers(probability, *, threshold, where="image"):
     check_values(f"{where}: probability", probability, 0, 1)
     check_values(f"{where}: threshold", threshold, 0, np.nextafter(1, 0), above=True)
     log_odds = logit(np.clip(probability, *CERTAIN))
-    return rows_of(downwards(pieces_in(log_odds, logit(threshold))), probability.shape[1])
+    return rows_in(log_odds, logit(threshold))
 
 
 @dataclass(frozen=True, eq=False)

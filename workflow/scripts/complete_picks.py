@@ -2,29 +2,24 @@
 
 import numpy as np
 from job import job, progress
-from scipy.special import expit
 
 from snowsim.cgan.picks import completed
 from snowsim.io.models import read_tracker
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.tracker import fused_logits, network_of_onnx, pick_layers
+from snowsim.tracker import checked_card, rows_in_image, runner
 
 with job(snakemake) as log:
-    content, card = read_tracker(snakemake.input.weights)
-    least, most = card["ranges"]["bin_s"]
-    bin_s = snakemake.params.bin_s
-    if not least <= bin_s <= most:
-        msg = f"cgan.picks: completed: the tracker knows range bins of {least:g} to {most:g} s, "
-        msg += f"got {bin_s:g}; use cgan.picks: as_picked"
+    weights, content = read_tracker(snakemake.input.weights)
+    card = checked_card(content, snakemake.input.weights)
+    for line in card.outside({"bin_s": snakemake.params.bin_s}):
+        msg = f"cgan.picks: completed: {line}; use cgan.picks: as_picked"
         raise ValueError(msg)
-    network = network_of_onnx(content)
+    run = runner(weights, card.temperature)
     n_new = []
 
     def marked(scene):
         """The scene with the layers that its picks lack."""
-        probability = expit(fused_logits(network, scene.image) / card["temperature"])
-        found = pick_layers(probability, threshold=card["threshold"], where=scene.name)
-        with_found = completed(scene, found)
+        with_found = completed(scene, rows_in_image(run, scene.image, card))
         n_picked = np.isfinite(scene.layer_bins).any(axis=1).sum()
         n_new.append(len(with_found.layer_bins) - n_picked)
         return with_found
