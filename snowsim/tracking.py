@@ -109,7 +109,8 @@ class Tracker:
 
         NaN above and below what the tracker was shown.
         """
-        seen = self._canonical(echogram)
+        seen = canonical(echogram, self.card)
+        _warn(seen.notes)
         probability = probability_of(self._run, seen)
         coordinates = {name: echogram[name] for name in ("twtt", "slow_time")}
         attributes = {"units": "1", "long_name": "probability of a layer"}
@@ -125,9 +126,10 @@ class Tracker:
         the tracker's range bins; `twtt_low` and `twtt_high`, between which nine of ten lie. What a
         reader should know is warned of, and stands in `attrs["notes"]`.
         """
-        seen = self._canonical(echogram)
-        (layers,) = layers_of_frames([evidence_of(self._run, seen, self.card)], self.card)
-        return self._labelled(layers, seen.notes)
+        evidence = self.see(echogram)
+        _warn(evidence.canonical.notes)
+        (layers,) = self.pick_together([evidence])
+        return layers
 
     def see(self, echogram, where="echogram"):
         """Evidence of one frame for `pick_together`; it does not keep the echogram's samples."""
@@ -140,19 +142,17 @@ class Tracker:
         A frame has the layers picked in it.
         """
         found = layers_of_frames(evidence, self.card)
-        notes = [frame.canonical.notes for frame in evidence]
-        return [self._labelled(*each) for each in zip(found, notes, strict=True)]
+        for frame, layers in zip(evidence, found, strict=True):
+            layers.coords["layer"] = _names(layers["layer"].values)
+            layers.attrs["tracker"] = f"{self.card.name} {self.card.version}"
+            layers.attrs["notes"] = "; ".join(frame.canonical.notes)
+        return found
 
-    def _canonical(self, echogram):
-        seen = canonical(echogram, self.card)
-        for note in seen.notes:
-            warnings.warn(note, UserWarning, stacklevel=3)
-        return seen
 
-    def _labelled(self, layers, notes):
-        about = {"tracker": f"{self.card.name} {self.card.version}", "notes": "; ".join(notes)}
-        names = _names(layers["layer"].values)
-        return layers.assign_coords(layer=names).assign_attrs(about)
+def _warn(notes):
+    """Warn the caller of a public function, a line each, of what a reader should know."""
+    for note in notes:
+        warnings.warn(note, UserWarning, stacklevel=3)
 
 
 def _names(numbers):

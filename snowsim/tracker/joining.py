@@ -1,6 +1,7 @@
 """Pieces put in order, downwards, and those that are one layer joined."""
 
 import heapq
+from graphlib import TopologicalSorter
 
 import numpy as np
 
@@ -137,18 +138,17 @@ def _whole(pieces, chosen):
 
 def _order(whole, layer, below):
     """Numbers of layers downwards; where that leaves the order open, by their mean row."""
-    lower = {number: {layer[n] for n in below[number]} for number in whole}
-    n_above = dict.fromkeys(whole, 0)
-    for number in (n for each in lower.values() for n in each):
-        n_above[number] += 1
-    ready = [(piece.row.mean(), n) for n, piece in whole.items() if n_above[n] == 0]
-    heapq.heapify(ready)
+    sorter = TopologicalSorter({number: () for number in whole})
+    for upper in whole:
+        for lower in {layer[n] for n in below[upper]}:
+            sorter.add(lower, upper)
+    sorter.prepare()
+    ready = []
     order = []
-    while ready:
+    while sorter.is_active():
+        for number in sorter.get_ready():
+            heapq.heappush(ready, (whole[number].row.mean(), number))
         _, number = heapq.heappop(ready)
         order.append(number)
-        for n in lower[number]:
-            n_above[n] -= 1
-            if n_above[n] == 0:
-                heapq.heappush(ready, (whole[n].row.mean(), n))
+        sorter.done(number)
     return order
