@@ -33,7 +33,7 @@ ALLOWED = {
 # What only some stages or modules may import.
 NETWORKS = {f"tracker/{module}" for module in ("network", "portable", "published", "train")}
 ONLY = {
-    "torch": {"cgan", "patches", "training", *NETWORKS},
+    "torch": {"cgan", "learning", "patches", "training", *NETWORKS},
     "onnxruntime": {"tracker/windows"},
     "netCDF4": {"io"},
     "h5py": {"io"},
