@@ -34,6 +34,7 @@ MODULES = {
         "pieces_in",
         "probability_of",
         "rows_in_image",
+        "rows_of",
     ),
     "portable": ("network_of_onnx", "to_onnx"),
     "published": ("PublishedNetwork",),

@@ -28,16 +28,20 @@ def pieces_in(log_odds, threshold):
     return link(find_candidates(log_odds, LINKING, threshold), LINKING, threshold)
 
 
+def rows_of(pieces, n_lines):
+    """Rows of pieces that come downwards, (layer, range_line), NaN where there is no pick."""
+    lines = np.arange(n_lines)
+    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, n_lines)
+    rows[crossing_layers(rows)] = np.nan
+    return rows
+
+
 def rows_in(log_odds, threshold):
     """Rows of the layers in a map of log-odds, (layer, range_line) downwards, NaN without a pick.
 
     Each piece is a layer: `join` gives those on either side of a long gap one name.
     """
-    lines = np.arange(log_odds.shape[1])
-    pieces = downwards(pieces_in(log_odds, threshold))
-    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, lines.size)
-    rows[crossing_layers(rows)] = np.nan
-    return rows
+    return rows_of(downwards(pieces_in(log_odds, threshold)), log_odds.shape[1])
 
 
 def rows_in_image(run, image, card):
