@@ -1,7 +1,7 @@
 """Deblending: powers and waveforms of eq. (1), fitted to all layers of averaged lines jointly."""
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -35,9 +35,10 @@ LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # of a shape about its start
 FIRST_DECAY = np.log([0.05, 0.5])  # limits of the decay rate at the start, log of [per bin]
-# [bins^2] Fits start from a waveform as narrow as the range response, and from a wide one.
-FIRST_VARIANCES = (0.7, 8.0)
-MOST_STEPS = 3  # evaluations of a fit between changes of weights
+# [bins^2] The fit starts from a waveform as narrow as the range response: from a wide one it may
+# end at a surface that is much too wide, whose peak counts as an unpicked echo.
+FIRST_VARIANCE = 0.7
+MOST_STEPS = 4  # evaluations of a fit between changes of weights
 MOST_ROUNDS = 4  # of weighing residuals
 # A fit has settled when log decay, log variance and offset [bins] change by less than this: a
 # tenth of the smallest error allowed in them.
@@ -105,13 +106,12 @@ def deblend(groups, decay_rate):
     """
     lines = [prepare_line(groups, group) for group in _spread_out(groups.present)]
     lines = [line for line in lines if line is not None]
-    start = np.tile([FIRST_DECAY.mean(), 0.0, 0.0], (2, 1))
+    start = np.tile([FIRST_DECAY.mean(), np.log(FIRST_VARIANCE), 0.0], (2, 1))
     for shape, measured in zip(start, (decay_rate[:, 0], decay_rate[:, 1:]), strict=True):
         measured = measured[measured > 0]
         if measured.size:
             shape[0] = np.clip(np.log(np.median(measured)), *FIRST_DECAY)
-    starts = [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
-    shape = _best_shapes(starts, lines)
+    shape = _fit_shapes(start, lines)
     of_layers = shape[np.minimum(np.arange(groups.present.shape[1]), 1)]
     decay_rate, variance = np.exp(of_layers[:, :2].T)
     variables = {
@@ -129,32 +129,6 @@ def deblend(groups, decay_rate):
             powers[group, line.layers] = solved[: line.layers.size]
     powers = np.where(groups.present, powers * height / np.sqrt(variance), np.nan)
     return variables, powers
-
-
-def _best_shapes(starts, lines):
-    """Shapes by kind (kind, 3) of the best fit from several starts.
-
-    Fits that end at a limit do not count, even at a smaller loss: a surface waveform that is much
-    too wide takes the surface's peak for an unpicked echo. If all end at a limit, it warns.
-    """
-    # One round on a quarter of the lines leads from each start to where a fit to all lines begins.
-    tried = [_fit_shapes(start, lines[::4], n_rounds=1) for start in starts]
-    fitted = []
-    for shape, _ in tried:
-        # A fit changes the scales of its lines, so each gets copies.
-        fitted.append(_fit_shapes(shape, [replace(line) for line in lines]))
-    inside = [found for found in fitted if _is_inside(found[0])]
-    if not inside:
-        msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
-        msg += "decay_rate, variance_bins2 and offset_bins"
-        warnings.warn(msg, UserWarning, stacklevel=2)
-    shape, _ = min(inside or fitted, key=lambda found: found[1])
-    return shape
-
-
-def _is_inside(shape):
-    """Whether all shapes (kind, 3) lie inside the limits of the fit."""
-    return ((shape > LOWER + SETTLED) & (shape < UPPER - SETTLED)).all()
 
 
 def _spread_out(present):
@@ -219,8 +193,8 @@ def prepare_line(groups, group):
     )
 
 
-def _fit_shapes(start, lines, n_rounds=MOST_ROUNDS):
-    """Fit shapes by kind of layer (kind, 3) from a start; returns them and their loss."""
+def _fit_shapes(start, lines):
+    """Fit shapes by kind of layer (kind, 3) from a start; warns where they end at a limit."""
     shape = start
     slopes_of = {}
 
@@ -230,8 +204,8 @@ def _fit_shapes(start, lines, n_rounds=MOST_ROUNDS):
         slopes_of["last"] = np.concatenate([part[1].T for part in parts] + [np.diag(1 / prior)])
         return np.concatenate([part[0] for part in parts] + [departure])
 
-    deviation, loss = _weigh(shape, lines)
-    for _ in shown(range(n_rounds), unit="round"):
+    deviation = _weigh(shape, lines)
+    for _ in shown(range(MOST_ROUNDS), unit="round"):
         prior = np.tile(PRIOR_DEVIATION, len(start)) / deviation
         # Slopes are asked for after a step is taken, at the shapes of the last residuals.
         solution = least_squares(
@@ -245,14 +219,18 @@ def _fit_shapes(start, lines, n_rounds=MOST_ROUNDS):
         )
         moved = np.abs(solution.x.reshape(-1, 3) - shape).max()
         shape = solution.x.reshape(-1, 3)
-        deviation, loss = _weigh(shape, lines)
+        deviation = _weigh(shape, lines)
         if moved < SETTLED:
             break
-    return shape, loss
+    if not ((shape > LOWER + SETTLED) & (shape < UPPER - SETTLED)).all():
+        msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
+        msg += "decay_rate, variance_bins2 and offset_bins"
+        warnings.warn(msg, UserWarning, stacklevel=2)
+    return shape
 
 
 def _weigh(shape, lines):
-    """Set the scale of lines from residuals; returns the residuals' deviation and mean loss.
+    """Set the scale of lines from residuals; returns the residuals' deviation.
 
     Where power exceeds the model by more than the deviation the scale grows: Cauchy's weights.
     """
@@ -264,9 +242,7 @@ def _weigh(shape, lines):
     deviation = max(np.median(np.abs(together)) / NORMAL_MEDIAN, LEAST_DEVIATION)
     for line, residual in zip(lines, relative, strict=True):
         line.scale = line.scale * np.hypot(1, np.maximum(residual, 0) / deviation)
-    above = np.log1p(np.maximum(together / deviation, 0) ** 2)
-    below = np.minimum(together / deviation, 0) ** 2
-    return deviation, (above + below).mean() * deviation**2
+    return deviation
 
 
 def _explained(shape, line):
