@@ -11,7 +11,6 @@ from snowsim.labels.undulations import (
     MINIMUM_THICKNESS_BINS,
     Nonstationary,
     Relief,
-    correlation_factor,
     draw_stationary,
     draw_undulations,
     lags_on_circle,
@@ -49,7 +48,6 @@ class LabelModel:
     share_without_layers: float  # share of blocks without layers, which belong to no zone
     relative_mean: np.ndarray  # mean of thickness over that of slab 0, (zone, slab)
     relative_deviation: np.ndarray  # standard deviation of that ratio, (zone, slab)
-    relative_correlation: tuple  # correlation of that ratio, by separation in slabs
     relief: tuple  # `Relief` of each zone
     surface: tuple  # values of the statistics named in `SURFACE`
     powers: PowerModel
@@ -75,8 +73,7 @@ class LabelModel:
     def draw_means(self, zone, first_bins, n_slabs, *, rng):
         """Mean thickness of slabs [bins], (slab,); those below the flight's last follow its law."""
         slab = np.minimum(np.arange(n_slabs), self.relative_mean.shape[1] - 1)
-        mixing = correlation_factor(self.relative_correlation, n_slabs)
-        anomaly = mixing @ rng.standard_normal(n_slabs)
+        anomaly = rng.standard_normal(n_slabs)
         relative = self.relative_mean[zone, slab] + self.relative_deviation[zone, slab] * anomaly
         relative[0] = 1
         return first_bins * relative
@@ -124,7 +121,6 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     check_values(what, by_layers[:, 1:].sum(), 0, above=True)
     attrs = statistics.attrs
     variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))
-    correlation = values_of(statistics, "relative_thickness_correlation", ("separation",))
     relief = np.transpose([values_of(statistics, name, ("zone",)) for name in RELIEF])
     quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
     return LabelModel(
@@ -136,7 +132,6 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
         share_without_layers=attrs.get("n_blocks_without_layers", 0) / attrs.get("n_blocks", 1),
         relative_mean=values_of(statistics, "relative_thickness_mean", ("zone", "slab")),
         relative_deviation=np.sqrt(variance),
-        relative_correlation=tuple(correlation),
         relief=tuple(Relief(*of_zone) for of_zone in relief),
         surface=tuple(values_of(statistics, name, ()).item() for name in SURFACE),
         powers=power_model(statistics),

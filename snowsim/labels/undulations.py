@@ -1,7 +1,6 @@
 """Thickness along track: relief of layers, change of slabs, trends and folds."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -9,8 +8,8 @@ from snowsim.limits import check_values
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
 GRID_BITS = 12  # layers are multiples of 2^-12 range bins, which float32 holds to bin 4096
-# Of a spectrum or a correlation matrix, of the largest: below, its root is rounding, which is not
-# the same on all processors.
+# Share of the largest eigenvalue below which one is zero: its root is rounding, which is not the
+# same on all processors.
 LEAST_EIGENVALUE = 1e-10
 LENGTHS_AROUND = 8  # a circle is at least so many correlation lengths long
 KILOMETRE = 1000.0
@@ -66,26 +65,6 @@ def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
     steps = draw_stationary(covariance, n_lines, rng=rng)
     thickness = np.diff(layers, axis=0) + np.cumsum(steps, axis=1)
     return thickness - thickness.mean(axis=1, keepdims=True)
-
-
-@lru_cache(maxsize=128)
-def correlation_factor(correlation_by_separation, n_rows):
-    """Factor C of the correlation matrix C C^T of rows, with this correlation by separation.
-
-    A tuple, whose last value continues. Measured correlations need not form a valid matrix:
-    eigenvalues below `LEAST_EIGENVALUE` of the largest are set to zero, the diagonal back to one.
-    The factor is the symmetric root, the only one that does not depend on which eigenvectors a
-    processor finds.
-    """
-    row = np.arange(n_rows)
-    separation = np.abs(row[:, None] - row)
-    furthest = len(correlation_by_separation) - 1
-    matrix = np.array(correlation_by_separation)[np.minimum(separation, furthest)]
-    np.fill_diagonal(matrix, 1.0)
-    values, vectors = np.linalg.eigh(matrix)
-    root = np.sqrt(np.where(values > LEAST_EIGENVALUE * values[-1], values, 0))
-    factor = (vectors * root) @ vectors.T
-    return factor / np.sqrt((factor**2).sum(axis=1, keepdims=True))
 
 
 def mirrored(thickness):

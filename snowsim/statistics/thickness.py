@@ -21,7 +21,6 @@ N_ZONES = 4
 # With fewer a variance has a standard error of its own size: the zone is pooled with the others.
 MINIMUM_BLOCKS = 4
 N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
-MINIMUM_PAIRS = 4  # (block, slab) pairs needed to estimate the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 
@@ -41,12 +40,12 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
 
     Variables are name to (dimensions, values): `zone_edge_bins (edge)`; `thickness_mean_bins`,
     `thickness_variance_bins2`, `relative_thickness_mean`, `relative_thickness_variance`,
-    `n_samples (zone, slab)` of block means; `relative_thickness_correlation (separation)`;
-    `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1; `n_blocks_by_layers (zone,
-    n_layers)` by layers below the surface, from 0; those of `relief_by_zone`, by the estimator
-    `paper` those of `thickness_spectra` instead; and those of `surface_statistics`. Attributes are
-    the counts `n_blocks`, `n_blocks_not_placed`, `n_blocks_without_layers` and, of zones whose
-    relief is that of all together, `n_zones_of_all_relief`.
+    `n_samples (zone, slab)` of block means; `first_thickness_quantile_bins (quantile)`, evenly from
+    0 to 1; `n_blocks_by_layers (zone, n_layers)` by layers below the surface, from 0; those of
+    `relief_by_zone`, by the estimator `paper` those of `thickness_spectra` instead; and those of
+    `surface_statistics`. Attributes are the counts `n_blocks`, `n_blocks_not_placed`,
+    `n_blocks_without_layers` and, of zones whose relief is that of all together,
+    `n_zones_of_all_relief`.
 
     Zones hold equal numbers of blocks by mean thickness of slab 0 (Yari et al. 2021 have four and
     give no bounds), or lie between `zone_edge_bins (edge,)`. A block counts for the mean of a slab
@@ -85,7 +84,6 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     variables = moments_by_zone(blocks)
     variables |= {
         "zone_edge_bins": ("edge", edges),
-        "relative_thickness_correlation": ("separation", mean_correlation(blocks)),
         "first_thickness_quantile_bins": ("quantile", quantiles),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
     }
@@ -153,27 +151,3 @@ def moments_by_zone(blocks):
         values = of_zone.where(own, of_all, axis=1).where(known).ffill(axis=1)
         variables[name] = ("zone", "slab"), values.to_numpy()
     return variables
-
-
-def mean_correlation(blocks):
-    """Correlation between slabs of relative block means about those of their zone, (separation,).
-
-    A zone needs `MINIMUM_BLOCKS` of a slab for a mean; a separation with fewer than `MINIMUM_PAIRS`
-    (block, slab) pairs takes the value of the one before, the first 0. Slab 0 is 1 by definition
-    and is left out.
-    """
-    share = pd.DataFrame(blocks.mean[:, 1:] / blocks.level[:, None])
-    of_zone = share.groupby(blocks.zone)
-    spread = of_zone.transform("std", ddof=0).where(of_zone.transform("count") >= MINIMUM_BLOCKS)
-    anomaly = ((share - of_zone.transform("mean")) / spread).to_numpy()
-    correlation = np.zeros(blocks.mean.shape[1])
-    for apart in range(1, correlation.size):
-        above, below = anomaly[:, :-apart], anomaly[:, apart:]
-        both = np.isfinite(above * below)
-        correlation[apart] = correlation[apart - 1]
-        if both.sum() >= MINIMUM_PAIRS:
-            squares = (above[both] ** 2).sum() * (below[both] ** 2).sum()
-            correlation[apart] = (above * below)[both].sum() / np.sqrt(squares)
-    # Of separation 0 it is 1, set last: until then its 0 stands in at separation 1.
-    correlation[:1] = 1
-    return correlation

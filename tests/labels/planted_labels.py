@@ -40,7 +40,7 @@ PLAIN_RELIEF = dict.fromkeys(("relief_variance_bins2", "slab_change_bins2"), np.
 
 def planted(n_slabs=20, n_layers=(3, 8), **changes):
     """Statistics of four zones whose slabs thin with depth; variables may be changed."""
-    separation = np.arange(n_slabs)
+    slab = np.arange(n_slabs)
     by_layers = np.zeros((4, n_slabs + 1))
     by_layers[:, n_layers[0] : n_layers[1] + 1] = 10
     peak_power = 0.3 * 0.8 ** np.arange(8)
@@ -48,9 +48,8 @@ def planted(n_slabs=20, n_layers=(3, 8), **changes):
     variables = {
         "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
         "first_thickness_quantile_bins": ("quantile", np.linspace(15, 40, 33)),
-        "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
+        "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * slab, (4, 1))),
         "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
-        "relative_thickness_correlation": ("separation", 0.5**separation),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
         "peak_power": ("layer", peak_power),
         "variance_bins2": ("layer", np.full(8, 0.6)),

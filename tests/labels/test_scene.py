@@ -11,7 +11,6 @@ from snowsim.io.files import read_dataset
 from snowsim.labels import draw, draw_scene, prepare
 from snowsim.labels.undulations import (
     Relief,
-    correlation_factor,
     draw_stationary,
     draw_undulations,
 )
@@ -76,7 +75,7 @@ def test_first_thickness_fixes_the_zone_and_is_distributed_as_in_the_flight(draw
     assert_allclose(thickness, first, atol=2**-12)
 
 
-def test_means_of_slabs_scatter_and_correlate_as_in_the_flight(drawn):
+def test_means_of_slabs_scatter_as_in_the_flight(drawn):
     anomaly = np.full((len(drawn), 8), np.nan)
     for scene, of_scene in zip(drawn, anomaly, strict=True):
         mean = np.diff(scene.layer_bins, axis=0).mean(axis=1)
@@ -84,10 +83,9 @@ def test_means_of_slabs_scatter_and_correlate_as_in_the_flight(drawn):
     # The deepest slab is that of 1000 / 6 scenes: means to 0.1 / sqrt(167) = 0.008; allow four.
     assert_allclose(np.nanmean(anomaly, axis=0), 0, atol=0.032)
     assert_allclose(np.nanvar(anomaly[:, 1:], axis=0).mean(), 0.01, rtol=0.1)
-    for apart in range(1, 4):
-        product = np.nanmean(anomaly[:, 1:-apart] * anomaly[:, 1 + apart :])
-        # Some 2000 pairs of correlated slabs: to 0.03; allow three.
-        assert_allclose(product / 0.01, 0.5**apart, atol=0.09)
+    # Each for itself: some 3000 pairs of neighbours, to 0.02; allow four.
+    product = np.nanmean(anomaly[:, 1:-1] * anomaly[:, 2:])
+    assert_allclose(product / 0.01, 0, atol=0.08)
 
 
 @pytest.mark.parametrize("zone", range(4))
@@ -175,16 +173,6 @@ def test_as_many_scenes_have_no_layer_as_blocks_of_the_flight():
 def test_a_scene_has_the_width_asked_for(n_range_lines):
     scene = draw_scene(planted(), n_range_lines, name="", rng=np.random.default_rng(5))
     assert scene.layer_bins.shape[1] == scene.echoes.power.shape[1] == n_range_lines
-
-
-def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
-    valid = 0.8 ** np.arange(6)
-    factor = correlation_factor(tuple(valid), 6)
-    row = np.arange(6)
-    separation = np.abs(np.subtract.outer(row, row))
-    assert_allclose(factor @ factor.T, valid[separation], atol=1e-12)
-    repaired = correlation_factor((1.0, -0.9), 5)
-    assert_allclose(np.diag(repaired @ repaired.T), 1, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

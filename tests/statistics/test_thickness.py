@@ -159,17 +159,14 @@ def test_zones_are_quartiles_of_first_slab_block_means(rng):
     assert_array_equal(by_edges["n_samples"], [[10], [30]])
 
 
-def test_means_of_slabs_correlate_as_planted(rng):
+def test_means_of_slabs_vary_as_planted(rng):
     level = rng.uniform(30, 60, 800)
-    years = lfilter([0.8], [1, -0.6], rng.standard_normal((800, 56)), axis=1)[:, 50:]
+    years = rng.standard_normal((800, 6))
     share = np.concatenate([np.ones((800, 1)), 1 + 0.1 * years], axis=1)
     found, _ = of_level_slabs(level[:, None] * share)
     # 200 blocks a zone: variances to 10 %; allow four. Slab 0 has none in units of itself.
     variance = np.tile([0, *[0.01] * 5], (4, 1))
     assert_allclose(found["relative_thickness_variance"][:, :6], variance, rtol=0.4, atol=1e-12)
-    # 800 blocks of several pairs: to 0.035 or less; allow three.
-    expected = np.append(0.6 ** np.arange(6), 0.6**5)
-    assert_allclose(found["relative_thickness_correlation"][:5], expected[:5], atol=0.1)
 
 
 def test_blocks_without_slab_0_are_placed_by_their_other_slabs():
