@@ -47,12 +47,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     -------
     xarray.Dataset
         `noise_power`; of the waveform `peak_power`, `decay_rate`, `width_bins`, `variance_bins2`,
-        `offset_bins` of its peak below the pick, `n_picks`, `n_groups` and `substituted (layer)`,
-        `width_bound_bins (bound)` of the uniform law that has mean and variance of measured widths;
-        of `deblended` alone `own_shape (layer)` and `mean_waveform (layer, lag)`; of thickness what
-        `thickness_statistics` returns; how power, noise and decay vary, see `radiometry`; tracked
-        power against Gamma(M), autocorrelation of speckle down range and along-track spectra of
-        power, see `looks`.
+        `offset_bins` of its peak below the pick, `n_picks` and `substituted (layer)`; of
+        `deblended` alone `mean_waveform (layer, lag)`; of thickness what `thickness_statistics`
+        returns; how power, noise and decay vary, see `radiometry`; tracked power against Gamma(M),
+        autocorrelation of speckle down range and along-track spectra of power, see `looks`.
 
     Raises
     ------
@@ -118,8 +116,8 @@ def waveform(summary, groups, estimator):
     tracked = summary["tracked_power"].values.astype(float)
     tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
     decay, width = measure_groups(groups)
-    widths = width[np.isfinite(width)]
-    check_count("averaged layers whose power falls to 1/e before the next", widths.size)
+    what = "averaged layers whose power falls to 1/e before the next"
+    check_count(what, np.isfinite(width).sum())
     if estimator == "paper":
         variables = paper_waveform(tracked_power, decay, width)
         # Power on the picks less noise, with its neighbours' tails.
@@ -128,11 +126,7 @@ def waveform(summary, groups, estimator):
         powers = known_mean(of_groups, axis=1) - groups.noise_power
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
-    half = np.sqrt(3) * widths.std()
-    bounds = np.clip(widths.mean() + [-half, half], widths.min(), widths.max())
-    variables["width_bound_bins"] = "bound", bounds
     variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
-    variables["n_groups"] = "layer", groups.present.sum(axis=0)
     return variables, powers, decay
 
 

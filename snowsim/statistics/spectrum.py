@@ -15,13 +15,13 @@ SHORTEST = 16  # [range lines] of stretches without gaps that blocks are cut int
 
 
 def thickness_spectra(thickness, blocks):
-    """`thickness_psd` and `n_psd_samples` (zone, slab, ...) of thickness (block, slab, range_line).
+    """`thickness_psd (zone, slab, wavenumber)` of thickness (block, slab, range_line), a variable.
 
-    `thickness_psd (zone, slab, wavenumber)` is one-sided, about the mean, per cycle per line:
-    ``P_k = 2 |X_k|^2 / N``, once at the Nyquist wavenumber, so that ``sum_k P_k / N`` is the
-    variance. Blocks are cut in halves, quarters ... until a tenth as many series as there are
-    blocks, and `MINIMUM_SERIES`, have no gap; theirs are interpolated to the wavenumbers of a
-    block. Zero where no series is without gaps.
+    The spectrum is one-sided, about the mean, per cycle per line: ``P_k = 2 |X_k|^2 / N``, once at
+    the Nyquist wavenumber, so that ``sum_k P_k / N`` is the variance. Blocks are cut in halves,
+    quarters ... until a tenth as many series as there are blocks, and `MINIMUM_SERIES`, have no
+    gap; theirs are interpolated to the wavenumbers of a block. Zero where no series is without
+    gaps.
     """
     series = _stretches(thickness, max(MINIMUM_SERIES, len(thickness) / 10))
     n_parts = len(series) // len(thickness)
@@ -40,8 +40,7 @@ def thickness_spectra(thickness, blocks):
         of_zone = np.where(own[z, :, None], of_zone, of_all * typical**2)
         psd.append(np.nan_to_num(of_zone[source[z]]))
     psd = np.apply_along_axis(_on_block, 2, psd, wavenumber)
-    on = ("zone", "slab")
-    return {"thickness_psd": ((*on, "wavenumber"), psd), "n_psd_samples": (on, n)}
+    return {"thickness_psd": (("zone", "slab", "wavenumber"), psd)}
 
 
 def _stretches(thickness, enough):

@@ -24,7 +24,6 @@ OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
     "width_bins": 1,
-    "width_bound_bins": 1,
     "decay_rate": -1,
 }
 # Ranges whose values are uniform in the logarithm.
