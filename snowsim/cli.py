@@ -86,17 +86,19 @@ def export(sources, folder, layers, netcdf, force):
 
 def scene_set(source):
     """Scenes of a file or of a folder of image pairs; an echogram needs its layers."""
-    from snowsim.io.containers import ECHOGRAMS, in_words, sniff
+    from snowsim.io.containers import ECHOGRAMS, format_of, in_words, opened
     from snowsim.io.files import is_zarr
     from snowsim.io.pairs import PairSet
     from snowsim.io.scenes import SceneSet
 
-    kind = "pairs" if source.is_dir() and not is_zarr(source) else sniff(source)
+    if source.is_dir() and not is_zarr(source):
+        return PairSet(source)
+    kind = format_of(source, opened(source))
     if kind in ECHOGRAMS:
         msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
         msg += "where there are none, snowsim track picks them"
         raise click.UsageError(msg)
-    return PairSet(source) if kind == "pairs" else SceneSet(source)
+    return SceneSet(source)
 
 
 @commands.command(short_help="What a file is, what it holds, and what to watch for.")

@@ -7,7 +7,7 @@ xarray take a second.
 from snowsim.io.files import library_errors, listed, refusal
 
 
-def read_echogram(path, *, compensated=False):
+def read_echogram(path, *, compensated=False, source=None):
     """Echogram dataset of a file, whose format is determined from its content.
 
     Parameters
@@ -18,6 +18,8 @@ def read_echogram(path, *, compensated=False):
     compensated : bool
         Keep elevation compensation where a file has it; by default travel times are those to the
         antenna's `Elevation`.
+    source : {"nsidc", "cresis", "opr"}, optional
+        Format that the file must have; by default any of these.
 
     Returns
     -------
@@ -46,12 +48,13 @@ def read_echogram(path, *, compensated=False):
     from snowsim.io import containers, echograms
 
     with library_errors(path):
-        kind = containers.sniff(path, containers.ECHOGRAMS)
-        if kind == "nsidc":
-            return echograms.read_nsidc(path, compensated=compensated)
-        if kind == "cresis":
-            return echograms.read_cresis(path, compensated=compensated)
-        return echograms.read_opr(path)
+        stored = containers.opened(path)
+        kinds = [source] if source else containers.ECHOGRAMS
+        kind = containers.format_of(path, stored, kinds)
+        if kind == "opr":
+            return echograms.read_opr(path, stored)
+        read = echograms.read_nsidc if kind == "nsidc" else echograms.read_cresis
+        return read(path, stored, compensated=compensated)
 
 
 def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
@@ -149,8 +152,9 @@ def read_layers(path, *, names=None, missing="refuse"):
     }
     names = [names] if isinstance(names, str) else names
     with library_errors(path):
-        kind = containers.sniff(path, readers)
-        return layers.chosen(readers[kind](path), names, missing, path)
+        stored = containers.opened(path)
+        kind = containers.format_of(path, stored, readers)
+        return layers.chosen(readers[kind](path, stored), names, missing, path)
 
 
 def open_segment(paths):

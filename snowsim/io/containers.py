@@ -1,202 +1,23 @@
-"""Files opened once: their format by their content, and their variables."""
+"""Files of every format, opened once: their format, names of their variables, their values."""
 
-import io
 import math
-import mmap
-import os
-import pickle
 import re
-import resource
 import struct
-import subprocess
-import sys
 import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from io import BytesIO
 from pathlib import Path
 
 import h5py
+import netCDF4
 import numpy as np
 import scipy.io
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
-from snowsim.io.files import (
-    MAXIMUM_BYTES,
-    Refused,
-    library_errors,
-    listed,
-    refusal,
-    write_bytes,
-)
-
-MAT_HEADER_BYTES = 128
-COMPRESSED = 15  # type of a compressed element, in one of the four bytes behind the header
-NUMBER_BYTES = 4  # size of a number in most large variables
-SECONDS = 120  # limit of a child; no undamaged file takes as long
-
-
-def read_mat5(path, names):
-    """The named variables as a dict; arrays lose axes of length 1, structs become dicts."""
-    with Path(path).open("rb") as file:
-        if COMPRESSED in file.read(MAT_HEADER_BYTES + 4)[MAT_HEADER_BYTES:]:
-            return load(path, names)
-    command = [sys.executable, "-P", "-m", "snowsim.io.containers", str(path), *names]
-    paths = {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"}
-    child = subprocess.run(
-        command, capture_output=True, env=os.environ | paths, timeout=SECONDS, check=False
-    )
-    if child.returncode != 0:
-        said = child.stderr.decode(errors="replace").splitlines() or [child.returncode]
-        msg = f"expected a whole file, found one that ends its reader: {said[-1]}"
-        raise Refused(msg)
-    return pickle.loads(child.stdout)
-
-
-def load(path, names):
-    """The named variables as `read_mat5` gives them, read in this process."""
-    for name, shape, _ in scipy.io.whosmat(path, appendmat=False):
-        n_bytes = NUMBER_BYTES * math.prod(shape)
-        if name in names and n_bytes > MAXIMUM_BYTES:
-            msg = f"{name}: expected at most {MAXIMUM_BYTES} bytes, found {n_bytes} or more"
-            raise Refused(msg)
-    options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
-    with warnings.catch_warnings():
-        # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
-        warnings.simplefilter("error", ComplexWarning)
-        values = scipy.io.loadmat(path, variable_names=names, **options)
-    return {name: values[name] for name in names}
-
-
-if __name__ == "__main__":
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    room = 4 * MAXIMUM_BYTES if most == resource.RLIM_INFINITY else min(4 * MAXIMUM_BYTES, most)
-    resource.setrlimit(resource.RLIMIT_AS, (room, most))
-    pickle.dump(load(sys.argv[1], sys.argv[2:]), sys.stdout.buffer, protocol=5)
-
-
-# A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
-# Specification, III.E.
-HEAP = re.compile(b"GCOL\x01")
-HEADER_BYTES = 16
-VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
-NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable"
-KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
-
-
-def names_in(path):
-    """Names of the variables a file holds."""
-    path = Path(path)
-    with library_errors(path, f"content: expected {KINDS}"):
-        if path.is_dir():
-            return {item.name for item in path.iterdir() if item.is_dir()}
-        if h5py.is_hdf5(path):
-            check_heaps(path)
-            with h5py.File(path) as file:
-                told = {name: str(node.attrs.get("NAME")) for name, node in file.items()}
-            return {name for name, what in told.items() if NO_VARIABLE not in what}
-        with path.open("rb") as file:
-            is_netcdf = file.read(3) == b"CDF"
-        if is_netcdf:
-            with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
-                return set(dataset.variables)
-        return {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
-
-
-def check_heaps(path):
-    """Refuse a heap whose objects overrun it: HDF5 2.2 walks it for ever.
-
-    Heaps hold text and lists of references. Of 1600 damaged NetCDF files 5 had such a heap.
-    """
-    with (
-        Path(path).open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
-        for heap in HEAP.finditer(content):
-            (length,) = struct.unpack_from("<Q", content, heap.start() + 8)
-            end = heap.start() + length
-            offset = heap.start() + HEADER_BYTES
-            while offset + HEADER_BYTES <= end:
-                index, size = struct.unpack_from("<H6xQ", content, offset)
-                # The free space, object 0, counts its own header.
-                step = size if index == 0 else HEADER_BYTES + -(-size // 8) * 8
-                offset += step
-                if step < HEADER_BYTES or offset > end:
-                    msg = f"HDF5: expected heaps that hold their objects, found one of {length}"
-                    raise Refused(msg)
-
-
-def read_netcdf(path):
-    """Dataset of a NetCDF file or Zarr store.
-
-    Values come as they are stored: no fill value, scale or time is applied.
-    """
-    with library_errors(path):
-        names_in(path)  # refuses what HDF5 would read for ever
-        engine = "zarr" if Path(path).is_dir() else "scipy"
-        n_bytes = 0
-        if h5py.is_hdf5(path):
-            engine = "netcdf4"
-            # As it is declared: xarray reads coordinates when it opens a file.
-            with h5py.File(path) as file:
-                n_bytes = sum(getattr(node, "nbytes", 0) for node in file.values())
-        if n_bytes <= MAXIMUM_BYTES:
-            with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
-                n_bytes = dataset.nbytes
-                if n_bytes <= MAXIMUM_BYTES:
-                    return dataset.load()
-        msg = f"expected at most {MAXIMUM_BYTES} bytes, found {n_bytes}"
-        raise Refused(msg)
-
-
-def read_matlab(path, names):
-    """Those of the named variables that a MAT file has.
-
-    Numbers are arrays, squeezed; text is text, a struct a dict, a cell a list. Empty arrays are
-    left out.
-    """
-    with library_errors(path):
-        wanted = names_in(path).intersection(names)
-        if h5py.is_hdf5(path):
-            with h5py.File(path) as file:
-                read = [0]
-                values = {name: _plain(file[name], read) for name in sorted(wanted)}
-        else:
-            values = read_mat5(path, sorted(wanted))
-    return {name: value for name, value in values.items() if getattr(value, "size", 1)}
-
-
-def _plain(node, read):
-    """A variable of a MAT v7.3 file; `read` counts bytes of the file that were read.
-
-    A file may refer to the same value any number of times.
-    """
-    read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
-    if read[0] > MAXIMUM_BYTES:
-        msg = f"{node.name}: expected at most {MAXIMUM_BYTES} bytes, found more"
-        raise Refused(msg)
-    if isinstance(node, h5py.Group):
-        return {name: _plain(field, read) for name, field in node.items()}
-    is_text = node.attrs.get("MATLAB_class") == b"char"
-    if node.attrs.get("MATLAB_empty", 0):
-        # In place of its values an empty variable stores its dimensions.
-        return "" if is_text else np.empty(0)
-    values = node[()]
-    if node.dtype == h5py.ref_dtype:
-        return [_plain(node.file[reference], read) for reference in values.ravel()]
-    return "".join(map(chr, values.ravel())) if is_text else np.squeeze(values.T)
-
-
-# MAT v5 begins with a text of this length. The date that scipy writes there would make the bytes
-# of the same content differ.
-TEXT_BYTES = 116
-
-
-def write_matlab(path, what, content):
-    """Write variables by name as MAT v5, whole or not at all; the file's header says `what`."""
-    buffer = io.BytesIO()
-    scipy.io.savemat(buffer, content, do_compression=True)
-    text = f"MATLAB 5.0 MAT-file, {what} by snowsim".ljust(TEXT_BYTES)
-    write_bytes(path, text.encode() + buffer.getvalue()[TEXT_BYTES:])
-
+from snowsim.io.files import MAXIMUM_BYTES, library_errors, listed, refusal, write_bytes
 
 SUPPLEMENT_FLAGS = (
     "coh_noise_removal_artifact",
@@ -228,15 +49,78 @@ LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
 # A file that lost half its variables is still called by its name, and what it lacks is named.
 SMALLEST_SHARE = 0.4
 
+NETCDF3, HDF5 = b"CDF", b"\x89HDF\r\n\x1a\n"
+USER_BLOCK_BYTES = 512  # of MATLAB, in front of HDF5
+# The last bytes of the header of MAT v5: how numbers are written.
+MAT_HEADER_BYTES = 128
+TEXT_BYTES = 116  # it begins with; the date that scipy writes there would make bytes differ
+BYTE_ORDERS = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}
+# A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
+# Specification, III.E.
+HEAP = re.compile(b"GCOL\x01")
+HEAP_HEADER_BYTES = 16
+VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
+NUMBER_BYTES = 4  # size of a number in most large variables
+# Types of the elements of MAT v5 (MAT-File Format, table 1-1), and some of them.
+ELEMENTS = {*range(1, 8), 9, *range(12, 19)}
+SHAPE, FLAGS, MATRIX, COMPRESSED = 5, 6, 14, 15
+# Classes of its matrices (table 1-3): how many elements one has beside its flags and shape, and
+# which hold matrices besides. Functions and what follows them are laid out in other ways.
+SPARSE = 5
+N_PARTS = {1: 1, 2: 3, 3: 4, **dict.fromkeys(range(4, 16), 2), SPARSE: 4}
+HOLDERS = (1, 2, 3)
+COMPLEX = 0x800
 
-def sniff(path, kinds=FORMATS):
-    """Format of a file, a key of `FORMATS`.
+
+@dataclass(frozen=True)
+class Stored:
+    """What a file holds: names of its variables, and what reads them, as they are stored.
+
+    `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store, `read(names)` of a MAT file
+    a dict of those of the names that it has.
+    """
+
+    names: frozenset
+    read: Callable
+
+
+def opened(path):
+    """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds; its bytes are read once."""
+    path = Path(path)
+    with library_errors(path, "content: expected MAT v5, MAT v7.3, NetCDF or Zarr"):
+        if path.is_dir():
+            return _labelled(path, engine="zarr")
+        content = path.read_bytes()
+        if content.startswith(NETCDF3):
+            # Not by netCDF4: of 400 damaged files 3 never ended there.
+            return _labelled(BytesIO(content), engine="scipy")
+        if content.startswith(HDF5):
+            check_heaps(content)
+            file = netCDF4.Dataset(path.name, memory=content)
+            # As it is declared: xarray reads coordinates when it opens a file.
+            held = file.variables.values()
+            sizes = [math.prod(each.shape) * getattr(each.dtype, "itemsize", 8) for each in held]
+            check_size("variables", sum(sizes))
+            return _labelled(xr.backends.NetCDF4DataStore(file))
+        if content[USER_BLOCK_BYTES:].startswith(HDF5):
+            check_heaps(content)
+            file = h5py.File(BytesIO(content))
+            return Stored(frozenset(file), partial(_read_mat73, file))
+        order = BYTE_ORDERS[content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES]]
+        check_elements(content, order, MAT_HEADER_BYTES, len(content))
+        file = BytesIO(content)
+        shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
+        return Stored(frozenset(shapes), partial(_read_mat5, file, shapes))
+
+
+def format_of(path, stored, kinds=FORMATS):
+    """Format of a file, a key of `FORMATS`, by the names of its variables.
 
     ValueError if it is none of these `kinds`, or lacks variables of the one that it is.
     """
-    names = names_in(path)
+    names = stored.names
     if "UTC_time" in names:
-        names.add("GPS_time")  # what older files have in its place
+        names = names | {"GPS_time"}  # what older files have in its place
     share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
@@ -254,3 +138,133 @@ def sniff(path, kinds=FORMATS):
 def in_words(kind):
     """A format as messages call it."""
     return FORMATS[kind][0]
+
+
+def read_netcdf(path):
+    """Dataset of a NetCDF file or Zarr store, values as they are stored."""
+    with library_errors(path):
+        return opened(path).read()
+
+
+def read_matlab(path, names):
+    """Those of the named variables that a MAT file has, by name."""
+    with library_errors(path):
+        return opened(path).read(names)
+
+
+def check_heaps(content):
+    """Refuse a heap whose objects overrun it: HDF5 2.2 walks it for ever.
+
+    Heaps hold text and lists of references. Of 1600 damaged NetCDF files 3 had such a heap.
+    """
+    for heap in HEAP.finditer(content):
+        (length,) = struct.unpack_from("<Q", content, heap.start() + 8)
+        end = heap.start() + length
+        offset = heap.start() + HEAP_HEADER_BYTES
+        while offset + HEAP_HEADER_BYTES <= end:
+            index, size = struct.unpack_from("<H6xQ", content, offset)
+            # The free space, object 0, counts its own header.
+            step = size if index == 0 else HEAP_HEADER_BYTES + -(-size // 8) * 8
+            offset += step
+            if step < HEAP_HEADER_BYTES or offset > end:
+                raise refusal(None, "HDF5", "heaps that hold their objects", f"one of {length}")
+
+
+def check_elements(content, order, start, end):
+    """Refuse MAT v5 whose matrices hold other elements than their class has; types of elements.
+
+    scipy trusts what it reads: 1 in 100 files with flipped bits ended it by a segmentation fault,
+    none of 60,000 after this. Compressed elements have checksums.
+    """
+    kinds = []
+    while start < end:
+        kind, size = struct.unpack_from(f"{order}II", content, start)
+        begin = start + 8
+        if kind >> 16:  # a short one: its size, and up to four bytes, stand beside its type
+            size = kind >> 16
+            kind &= 0xFFFF
+            begin = start + 4
+        fits = kind in ELEMENTS and begin + size <= end
+        if fits and kind == MATRIX and size:
+            parts = check_elements(content, order, begin, begin + size)
+            first, flags, second, n_bytes = struct.unpack_from(f"{order}I4xI4xII", content, begin)
+            shape = struct.unpack_from(f"{order}{n_bytes // 4}i", content, begin + 24)
+            number = flags & 0xFF
+            expected = [False] * (N_PARTS.get(number, 0) + bool(flags & COMPLEX))
+            is_matrix = [part == MATRIX for part in parts[2:]]
+            if number in HOLDERS:
+                expected += [True] * (len(is_matrix) - len(expected))
+            n_least = math.prod(shape) * (8 if number in HOLDERS else 1)
+            is_sound = is_matrix == expected and COMPRESSED not in parts
+            is_sound &= number == SPARSE or n_least <= size
+            has_shape = (first, second) == (FLAGS, SHAPE) and len(shape) > 1
+            fits = (is_sound and has_shape) or number > max(N_PARTS)
+        if not fits:
+            found = f"type {kind}, {size} bytes, at byte {start}"
+            raise refusal(None, "MAT v5", "elements that make a matrix", found)
+        kinds.append(kind)
+        start = begin + size if kind == COMPRESSED else -(-(begin + size) // 8) * 8
+    return kinds
+
+
+def check_size(what, n_bytes):
+    """Refuse what would not fit into memory."""
+    if n_bytes > MAXIMUM_BYTES:
+        raise refusal(None, what, f"at most {MAXIMUM_BYTES} bytes", n_bytes)
+
+
+def _labelled(source, **how):
+    """What a NetCDF file or Zarr store holds."""
+    dataset = xr.open_dataset(source, decode_cf=False, **how)
+    check_size("variables", dataset.nbytes)
+    return Stored(frozenset(dataset.variables), dataset.load)
+
+
+def _read_mat5(file, shapes, names):
+    """The named variables: arrays lose axes of length 1, a struct is a dict, a cell a list.
+
+    Empty ones are left out.
+    """
+    names = [name for name in names if name in shapes]
+    for name in names:
+        check_size(name, NUMBER_BYTES * math.prod(shapes[name]))
+    with warnings.catch_warnings():
+        # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
+        warnings.simplefilter("error", ComplexWarning)
+        how = {"mat_dtype": True, "simplify_cells": True}
+        values = scipy.io.loadmat(file, variable_names=names, **how)
+    return {name: values[name] for name in names if getattr(values[name], "size", 1)}
+
+
+def _read_mat73(file, names):
+    """The same of a MAT v7.3 file."""
+    read = [0]
+    values = {name: _plain(file[name], read) for name in names if name in file}
+    return {name: value for name, value in values.items() if getattr(value, "size", 1)}
+
+
+def _plain(node, read):
+    """A variable of a MAT v7.3 file; `read` counts bytes of the file that were read.
+
+    A file may refer to the same value any number of times.
+    """
+    read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
+    check_size(node.name, read[0])
+    if isinstance(node, h5py.Group):
+        return {name: _plain(field, read) for name, field in node.items()}
+    is_text = node.attrs.get("MATLAB_class") == b"char"
+    if node.attrs.get("MATLAB_empty", 0):
+        # In place of its values an empty variable stores its dimensions.
+        return "" if is_text else np.empty(0)
+    values = node[()]
+    if node.dtype == h5py.ref_dtype:
+        return [_plain(node.file[reference], read) for reference in values.ravel()]
+    return "".join(map(chr, values.ravel())) if is_text else np.squeeze(values.T)
+
+
+def write_matlab(path, what, content):
+    """Write variables by name as MAT v5, whole or not at all; the file's header says `what`."""
+    file = BytesIO()
+    scipy.io.savemat(file, content, do_compression=True)
+    text = f"MATLAB 5.0 MAT-file, {what} by snowsim".ljust(TEXT_BYTES)
+    write_bytes(path, text.encode() + file.getvalue()[TEXT_BYTES:])

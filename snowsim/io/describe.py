@@ -8,7 +8,7 @@ import xarray as xr
 
 from snowsim.echogram import bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import ECHOGRAMS, LAYERS, in_words, names_in, read_netcdf, sniff
+from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_netcdf
 from snowsim.io.files import is_png, is_zarr, one_line
 from snowsim.io.layers import surface_among
 from snowsim.io.pairs import PairSet, tells_db
@@ -43,16 +43,17 @@ def describe(path):
         levels = np.unique(values).astype(float)
         note = f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"
         return _said("an image or array", image, [note])
-    kind = sniff(path, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
+    stored = opened(path)
+    kind = format_of(path, stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
     what = in_words(kind)
     if kind in ECHOGRAMS:
-        return _echogram(what, read_echogram(path), names_in(path))
+        return _echogram(what, read_echogram(path), stored.names)
     if kind in LAYERS:
         return _layers(what, read_layers(path))
     if kind == "scenes":
         with SceneSet(path) as scenes:
             return _scenes(what, scenes)
-    return _said(what, read_netcdf(path))
+    return _said(what, stored.read())
 
 
 def _said(what, held, notes=()):

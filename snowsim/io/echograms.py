@@ -8,8 +8,8 @@ import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import SUPPLEMENT_FLAGS, read_matlab, read_netcdf, write_matlab
-from snowsim.io.files import MAXIMUM_BYTES, Refused, library_errors, refusal
+from snowsim.io.containers import SUPPLEMENT_FLAGS, read_netcdf, write_matlab
+from snowsim.io.files import MAXIMUM_BYTES, library_errors, refusal
 
 UNITS = {
     "Data": "W (uncalibrated)",
@@ -35,6 +35,7 @@ SECONDS = {
     "ns": 1e-9,
 }
 AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
+ALONG_TRACK = [name for name in UNITS if name not in AXES]
 # Of an echogram in decibels: from the weakest pixel to the strongest; and the median as a share of
 # the strongest, where no pixel is negative.
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
@@ -106,12 +107,12 @@ def power_of(data_db, where):
         return np.where(np.isneginf(data_db), np.nan, 10 ** (data_db / 10))
 
 
-def read_opr(path):
+def read_opr(path, stored):
     """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked.
 
     Decibels, if the units of `Data` say so, become linear power.
     """
-    dataset = load_opr(path)
+    dataset = decoded(stored)
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
         power = power_of(dataset["Data"].values.astype(float), path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
@@ -122,19 +123,17 @@ def read_opr(path):
     return dataset.transpose("twtt", "slow_time", ...)
 
 
-def load_opr(path):
-    """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds."""
-    dataset = xr.decode_cf(read_netcdf(path), decode_timedelta=False).load()
-    twtt = in_seconds(dataset["twtt"], "s")
-    return dataset if twtt.equals(dataset["twtt"]) else dataset.assign(twtt=twtt)
+def decoded(stored):
+    """Dataset of Open Polar Radar in memory, with times as datetime64 and `twtt` in seconds."""
+    dataset = xr.decode_cf(stored.read(), decode_timedelta=False).load()
+    return dataset.assign(twtt=in_seconds(dataset["twtt"], "s"))
 
 
 def in_seconds(times, unit):
     """A variable in seconds; in this unit if the file tells none."""
     unit = str(times.attrs.get("units") or unit).strip().lower()
     if unit not in SECONDS:
-        msg = f"{times.name}: expected {', '.join(SECONDS)}, found {unit}"
-        raise Refused(msg)
+        raise refusal(None, times.name, ", ".join(SECONDS), unit)
     return times if SECONDS[unit] == 1 else (times * SECONDS[unit]).assign_attrs(units="s")
 
 
@@ -153,8 +152,7 @@ def utc_times(seconds, epoch="1970-01-01", *, gps=False):
     inside = (seconds >= first) & (seconds < last)
     if not inside.all():
         expected = f"seconds since {epoch} that fall in {' to '.join(THIS_AGE)}"
-        msg = f"slow_time: expected {expected}, found {seconds[~inside][0]:g}"
-        raise Refused(msg)
+        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
     whole = np.floor(seconds)
     nanoseconds = np.rint((seconds - whole) * 1e9)
     return start + whole.astype("timedelta64[s]") + nanoseconds.astype("timedelta64[ns]")
@@ -187,31 +185,29 @@ def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
     bins = echogram["Elevation_Correction"]
     most = MAXIMUM_BYTES / echogram["Data"][0].nbytes - echogram.sizes["twtt"]
     if not ((bins >= 0) & (bins == np.floor(bins)) & (bins <= most)).all():
-        msg = f"Elevation_Correction: expected whole numbers of bins from 0 to {most:.0f}, "
-        msg += f"found {bins.min():g} to {bins.max():g}"
-        raise Refused(msg)
+        expected = f"whole numbers of bins from 0 to {most:.0f}"
+        found = f"{bins.min():g} to {bins.max():g}"
+        raise refusal(None, "Elevation_Correction", expected, found)
     row = xr.DataArray(np.arange(echogram.sizes["twtt"]), dims="twtt")
     recorded = (row >= bins + first_row) & (row < bins + end_row)
     echogram["Data"] = echogram["Data"].where(recorded)
     return shifted(echogram.drop_vars("Elevation_Correction"), -bins.values.astype(int))
 
 
+# Names of what lies along track in IRSNO1B files, where they are others.
 NSIDC_NAMES = {
-    "lat": "Latitude",
-    "lon": "Longitude",
-    "altitude": "Elevation",
-    "Surface": "Surface",
-    "Bottom": "Bottom",
-    "Elevation_Correction": "Elevation_Correction",
-    "roll": "Roll",
-    "pitch": "Pitch",
-    "heading": "Heading",
+    "Latitude": "lat",
+    "Longitude": "lon",
+    "Elevation": "altitude",
+    "Roll": "roll",
+    "Pitch": "pitch",
+    "Heading": "heading",
 }
 ATTITUDE = ("Roll", "Pitch", "Heading")
 HALF_DAY_S = 43200
 
 
-def read_nsidc(path, *, compensated=False):
+def read_nsidc(path, stored, *, compensated=False):
     """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
 
     `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
@@ -220,7 +216,7 @@ def read_nsidc(path, *, compensated=False):
     (slow_time) is flag i of its `flag_meanings`.
     """
     # As stored: no fill value is set in these files, and a default one must not hide a value.
-    stored = read_netcdf(path)
+    stored = stored.read()
     axes = (*stored["fasttime"].dims, *stored["time"].dims)
     seconds_of_day = np.ravel(stored["time"]).astype(float)
     midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
@@ -230,7 +226,8 @@ def read_nsidc(path, *, compensated=False):
         "twtt": in_seconds(stored["fasttime"], "us").values,
         "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
     }
-    for theirs, ours in NSIDC_NAMES.items():
+    for ours in ALONG_TRACK:
+        theirs = NSIDC_NAMES.get(ours, ours)
         if theirs in stored:
             values = np.ravel(stored[theirs]).astype(float)
             content[ours] = np.radians(values) if ours in ATTITUDE else values
@@ -266,8 +263,8 @@ def _quality_mask(path, n_lines):
     flags = np.zeros((len(SUPPLEMENT_FLAGS), n_lines), dtype=bool)
     with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
-            msg = f"supplement: expected flags {', '.join(SUPPLEMENT_FLAGS)}, found none of them"
-            raise Refused(msg)
+            expected = f"flags {', '.join(SUPPLEMENT_FLAGS)}"
+            raise refusal(path, "supplement", expected, "none of them")
         for row, name in enumerate(SUPPLEMENT_FLAGS):
             if name in stored:
                 flags[row] = stored[name].values != 0
@@ -276,17 +273,6 @@ def _quality_mask(path, n_lines):
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}
 
 
-ALONG_TRACK = (
-    "Latitude",
-    "Longitude",
-    "Elevation",
-    "Surface",
-    "Bottom",
-    "Roll",
-    "Pitch",
-    "Heading",
-    "Elevation_Correction",
-)
 OTHERS = ("Data", "Time", "GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
 # Parameter structs by age; the newest that has a name is believed.
 PARAMETER_STRUCTS = (
@@ -304,20 +290,20 @@ PARAMETER_STRUCTS = (
 )
 
 
-def read_cresis(path, *, compensated=False):
+def read_cresis(path, stored, *, compensated=False):
     """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
 
     `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax
     * maxData + minData``. `Time` may be row or column; surface, attitude and `Bottom` may be
     missing. GPS seconds lose their leap seconds.
     """
-    values = read_matlab(path, (*OTHERS, *ALONG_TRACK, *PARAMETER_STRUCTS))
+    values = stored.read((*OTHERS, *ALONG_TRACK, *PARAMETER_STRUCTS))
     is_gps = "GPS_time" in values
     time = np.ravel(values["Time"]).astype(float)
     kept = np.ravel(values.get("Truncate_Bins", np.arange(time.size) + 1)) - 1
     if not kept[0] >= 0 or (np.diff(kept) != 1).any():
-        msg = f"Truncate_Bins: expected consecutive indices from 1 up, found {kept[0] + 1:g} first"
-        raise Refused(msg)
+        expected = "consecutive indices from 1 up"
+        raise refusal(path, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
     # `Time` was truncated along with the data, or is as long as the padded traces were before.
     time_is_padded = kept.size < time.size
     content = {

@@ -15,17 +15,17 @@ PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 MAXIMUM_BYTES = 2**30
 
 
-class Refused(ValueError):
-    """What is wrong with a file, in words; `library_errors` puts the file's name in front."""
-
-
 class BadFile(ValueError):
-    """What is wrong with a file, in one line that begins with its name."""
+    """What is wrong with a file, on one line; without its `path`, `library_errors` adds it."""
+
+    def __init__(self, told, path=None):
+        super().__init__(one_line(f"{path}: {told}" if path else told))
+        self.path = path
 
 
 def refusal(path, what, expected, found):
-    """The error of a bad file, on one line: file, variable, what was expected and found."""
-    return BadFile(one_line(f"{path}: {what}: expected {expected}, found {found}"))
+    """The error of a bad file: variable, what was expected and found."""
+    return BadFile(f"{what}: expected {expected}, found {found}", path)
 
 
 def one_line(text, limit=400):
@@ -50,14 +50,15 @@ def library_errors(path, expected="expected a whole file"):
     """
     try:
         yield
-    except Exception as error:
-        is_line = isinstance(error, ValueError) and str(error).startswith(f"{path}: ")
-        if is_line or isinstance(error, BadFile):
+    except BadFile as error:
+        if error.path:
             raise  # already the one line, of this file or of one beside it
+        raise BadFile(error, path) from error
+    except Exception as error:
+        if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
+            raise
         told = f"{expected}, found {type(error).__name__} {error}"
-        if isinstance(error, Refused):
-            told = error
-        raise BadFile(one_line(f"{path}: {told}")) from error
+        raise BadFile(told, path) from error
 
 
 def listed(names):

@@ -12,7 +12,7 @@ from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import SUPPLEMENT_FLAGS, sniff
+from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among
 from snowsim.progress import shown
@@ -174,9 +174,7 @@ def read_frame(
     """
     for flag in flagged_by:
         check_choice("flagged_by", flag, SUPPLEMENT_FLAGS)
-    if source is not None:
-        sniff(row.echogram, [source])
-    echogram = read_echogram(row.echogram)
+    echogram = read_echogram(row.echogram, source=source)
     layers = _layers_from_surface(row.layers, layer_names)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
     _warn_of_surface(row.layers, layers, echogram)

@@ -11,13 +11,13 @@ from snowsim.echogram import check_layers
 from snowsim.io.containers import read_matlab, write_matlab
 from snowsim.io.echograms import (
     UNITS,
+    decoded,
     gps_seconds,
-    load_opr,
     named_frame,
     parameters,
     utc_times,
 )
-from snowsim.io.files import Refused, library_errors, listed, one_line, refusal, write_dataset
+from snowsim.io.files import library_errors, listed, one_line, refusal, write_dataset
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's convention.
@@ -35,17 +35,17 @@ RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev"
 POSITIONS = ("Latitude", "Longitude", "Elevation")
 
 
-def read_cresis_layers(path):
+def read_cresis_layers(path, stored):
     """Layers of a new CReSIS layer file (`CSARP_layer`).
 
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
     comes twice), without one they are "id 1", "id 2", ...
     """
-    values = read_matlab(path, ("id", *PICKS, *RENAMED))
+    values = stored.read(("id", *PICKS, *RENAMED))
     values = {RENAMED.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
-        msg = "twtt: expected at least one layer with picks, found no layer (MATLAB_empty)"
-        raise Refused(msg)
+        expected = "at least one layer with picks"
+        raise refusal(path, "twtt", expected, "no layer (MATLAB_empty)")
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
     absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
@@ -55,13 +55,13 @@ def read_cresis_layers(path):
     return _layers_dataset(values, picks, names, "CReSIS layer")
 
 
-def read_cresis_layer_data(path):
+def read_cresis_layer_data(path, stored):
     """Layers of an old CReSIS layer file (`CSARP_layerData`).
 
     Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
     2. Entries without a name are the surface and the bottom, in this order, as the format has it.
     """
-    values = read_matlab(path, ("GPS_time", "layerData", *POSITIONS))
+    values = stored.read(("GPS_time", "layerData", *POSITIONS))
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
     n_lines = np.size(values["GPS_time"])
@@ -79,12 +79,12 @@ def read_cresis_layer_data(path):
     return _layers_dataset(values, picks, names, "CReSIS layerData")
 
 
-def read_opr_layers(path):
+def read_opr_layers(path, stored):
     """Layers dataset of Open Polar Radar as it stands on disk, (layer, slow_time).
 
     A single layer without a `layer` dimension gets one.
     """
-    dataset = load_opr(path)
+    dataset = decoded(stored)
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
@@ -105,9 +105,9 @@ def chosen(dataset, names, missing, where):
     keep = np.flatnonzero(labels.isin(wanted) & (has_picks | (not named)))
     absent = missing == "refuse" and not wanted.isin(labels).all()
     if absent or labels.has_duplicates or not has_picks[keep].any():
-        msg = f"layer: expected layers with picks, named {one_line(', '.join(wanted), 150)}, "
-        msg += f"found them in {one_line(', '.join(labels[has_picks]), 150) or 'none'}"
-        raise Refused(msg)
+        expected = f"layers with picks, named {one_line(', '.join(wanted), 150)}"
+        found = one_line(", ".join(labels[has_picks]), 150) or "none"
+        raise refusal(where, "layer", expected, f"them in {found}")
     if named:
         keep = keep[order_from_surface(dataset["twtt"].values[keep], list(labels[keep]))]
     dataset = dataset.isel(layer=keep)
@@ -190,8 +190,7 @@ def _layers_dataset(values, picks, names, source):
     for name in ("quality", "type"):
         flags = dataset[name].fillna(0)
         if flags.min() < 0 or flags.max() > 255:
-            msg = f"{name}: expected flags within 0 to 255, found up to {flags.max():g}"
-            raise Refused(msg)
+            raise refusal(None, name, "flags within 0 to 255", f"up to {flags.max():g}")
         dataset[name] = flags.astype(np.uint8)
     without = ~np.isfinite(dataset["twtt"]).any("slow_time")
     return dataset.assign_attrs(empty_layers=", ".join(dataset["layer"].values[without]))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from snowsim import __version__
-from snowsim.io.files import Refused, library_errors, refusal, write_bytes, written_whole
+from snowsim.io.files import library_errors, refusal, write_bytes, written_whole
 
 FORMAT = "snowsim model 1"
 TRACKER_FORMAT = "snowsim tracker 1"
@@ -119,8 +119,7 @@ def read_tracker(path):
         card = json.loads(path_to_card.read_text(encoding="utf-8"))
         found = card.get("format") if isinstance(card, dict) else card
         if found != TRACKER_FORMAT:
-            msg = f"expected a card of format '{TRACKER_FORMAT}', got {found!r}"
-            raise Refused(msg)
+            raise refusal(path_to_card, "card", f"one of format '{TRACKER_FORMAT}'", repr(found))
     content = path.read_bytes()
     digest = hashlib.sha256(content).hexdigest()
     if card.get("sha256") != digest:

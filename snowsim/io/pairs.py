@@ -17,7 +17,6 @@ from PIL.PngImagePlugin import PngInfo
 from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
 from snowsim.io.containers import read_matlab
 from snowsim.io.files import (
-    Refused,
     is_png,
     library_errors,
     listed,
@@ -42,21 +41,19 @@ def read_image(path, expected="8-bit grey"):
     `expected` is one of `MODES`. What is no whole PNG image of such a mode and a bearable size is
     refused.
     """
-    most = f"PNG: expected a whole grey image of at most {MAXIMUM_PIXELS} pixels"
-    with library_errors(path, most), warnings.catch_warnings():
+    most = f"a whole grey image of at most {MAXIMUM_PIXELS} pixels"
+    with library_errors(path, f"PNG: expected {most}"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         Image.open(path, formats=["PNG"]).verify()  # checksums: reading does not look at them
         with Image.open(path, formats=["PNG"]) as file:
             columns, rows = file.size
             if columns * rows > MAXIMUM_PIXELS:
-                msg = f"{most}, found {rows} rows of {columns}"
-                raise Refused(msg)
+                raise refusal(path, "PNG", most, f"{rows} rows of {columns}")
             values = np.array(file)
             texts = file.text
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
-                msg = f"PNG: expected {expected}, found mode {file.mode}"
-                raise Refused(msg)
+                raise refusal(path, "PNG", expected, f"mode {file.mode}")
         held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
         numbers = {name: kind(texts[name]) for name, kind in held.items()}
     return colours[..., 0], numbers

@@ -9,7 +9,7 @@ import numpy as np
 from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
-from snowsim.io.containers import names_in, read_netcdf
+from snowsim.io.containers import opened, read_netcdf
 from snowsim.io.files import library_errors, listed, refusal
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
@@ -116,7 +116,7 @@ def read_picks(path, bin_s=None):
 
     Travel times become range bins of `bin_s` [s]; rows are taken where a tracked image has them.
     """
-    is_layers = path.suffix == ".mat" or (path.suffix == ".nc" and "twtt" in names_in(path))
+    is_layers = path.suffix == ".mat" or (path.suffix == ".nc" and "twtt" in opened(path).names)
     if not is_layers:
         return Picks(read_labels(path)[1])
     layers = read_layers(path)

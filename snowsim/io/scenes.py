@@ -8,7 +8,7 @@ import numpy as np
 
 from snowsim.echogram import Echoes, Kind, Scene
 from snowsim.io.containers import check_heaps
-from snowsim.io.files import Refused, library_errors, written_whole
+from snowsim.io.files import BadFile, library_errors, written_whole
 
 FORMAT = "snowsim scenes 2"
 # Of every variable its type, its first dimension, `scene` or one along which scenes stand below
@@ -156,14 +156,14 @@ class SceneSet:
         self._where = []
         for path in [paths] if isinstance(paths, str | Path) else paths:
             with library_errors(path, "scenes: expected a scene file (NetCDF-4)"):
-                check_heaps(Path(path))
+                check_heaps(Path(path).read_bytes())
                 # Without cycles of references a file closes with its last user, not whenever Python
                 # collects garbage.
                 file = netCDF4.Dataset(path, keepweakref=True)
                 self._files.append(file)
                 if getattr(file, "format", None) != FORMAT:
                     msg = f"scenes: expected a scene file, of attribute format '{FORMAT}'"
-                    raise Refused(msg)
+                    raise BadFile(msg)
                 file.set_auto_maskandscale(False)
                 groups = [_Group(group) for group in (file, *file.groups.values())]
                 for index in range(len(file.dimensions["scene"])):
@@ -219,5 +219,5 @@ class _Group:
             is_float = variable.dtype.kind == "f"
             if is_float and (values[name] == variable.get_fill_value()).any():
                 msg = f"{name}: expected numbers, found values that were never written"
-                raise Refused(msg)
+                raise BadFile(msg)
         return values

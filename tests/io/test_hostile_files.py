@@ -115,7 +115,7 @@ def test_what_is_no_data_file_is_refused(path, call, content, message):
     if content is not None:
         path.write_bytes(content)
     refused(call, path, message)
-    refused(call, path.parent, "variables: expected those of an echogram or of layers, found none")
+    refused(call, path.parent, "content: expected MAT v5, MAT v7.3, NetCDF or Zarr, found")
 
 
 def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):
