@@ -44,8 +44,3 @@ def rounded(values, n_bits):
     """
     mantissa, exponent = np.frexp(np.asarray(values, dtype=float))
     return np.ldexp(np.rint(np.ldexp(mantissa, n_bits)), exponent - n_bits)
-
-
-def on_grid(values, n_bits):
-    """Values as multiples of 2^-`n_bits`, float64 of the same shape: 2.4e-4 for 12."""
-    return np.ldexp(np.rint(np.ldexp(np.asarray(values, dtype=float), n_bits)), -n_bits)

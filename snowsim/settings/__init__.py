@@ -21,13 +21,6 @@ def setting(default, about, **limits):
     return field(default=default, metadata={"about": about, **limits})
 
 
-def limited(default, low=None, high=None, about=""):
-    """A number with its default and its least and greatest value; without limits it is positive."""
-    if low is None:
-        return setting(default, about, exclusiveMinimum=0)
-    return setting(default, about, minimum=low, maximum=high)
-
-
 def replaced(settings, values, where=""):
     """Settings with some values replaced, a dict by name; a group of settings is a dict in it.
 

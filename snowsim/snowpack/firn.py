@@ -103,19 +103,3 @@ def travel_time_s(depth_m, water_m):
     """
     optical_m = np.asarray(depth_m) + KOVACS_M3_KG * WATER_DENSITY_KG_M3 * np.asarray(water_m)
     return 2 * optical_m / SPEED_OF_LIGHT_M_S
-
-
-def reflectivity(jump_kg_m3, density_kg_m3):
-    """Share of power that a small density step reflects, seen straight down; broadcasts.
-
-    Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995). The neglected factor
-    ``1 - dn / n`` is below 0.3 dB for steps up to 100 kg m-3.
-    """
-    index = 1 + KOVACS_M3_KG * density_kg_m3
-    return (KOVACS_M3_KG * jump_kg_m3 / (2 * index)) ** 2
-
-
-def surface_reflectivity(density_kg_m3):
-    """Share of power that snow of this density reflects to air, Fresnel at normal incidence."""
-    index = refractive_index_kovacs95(density_kg_m3)
-    return ((index - 1) / (index + 1)) ** 2

@@ -8,7 +8,6 @@ from scipy.signal import get_window
 
 from snowsim.constants import (
     ICE_DENSITY_KG_M3,
-    KOVACS_M3_KG,
     SPEED_OF_LIGHT_M_S,
     WATER_DENSITY_KG_M3,
 )
@@ -18,6 +17,7 @@ from snowsim.snowpack.along_track import draw_along_track
 from snowsim.snowpack.firn import (
     density_herron_langway80,
     depth_herron_langway80,
+    refractive_index_kovacs95,
     travel_time_s,
 )
 from snowsim.snowpack.profile import Sweep, combine, interfaces
@@ -30,11 +30,11 @@ MOST_LAGS = 16  # of correlated speckle, as PHY draws it
 MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
 # Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
 MOST_LOST_DB = 4.0
-# Limits in hertz: numbers in GHz are below.
+# Limits of radars, in hertz: numbers in GHz are below.
 RADARS = {"centre_hz": (1e6,), "bandwidth_hz": (1e6,), "beamwidth_deg": (0, 120)}
-# Of snow in kg m-3: numbers in g cm-3 are below.
+# Densities of snow in kg m-3: numbers in g cm-3 are below.
 DENSITIES_KG_M3 = (1.0, ICE_DENSITY_KG_M3)
-# Of undulations, as the reference flight's.
+# Undulations as in the reference flight.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
 DRIFT_LENGTH_M = 3000.0  # along track
 DENSITY_LENGTH_M = 900.0
@@ -54,10 +54,9 @@ CLIMATES = {
 class Radar:
     """An airborne radar that looks straight down; `preset` has some that fly.
 
-    Of the processed sweep `centre_hz`, `bandwidth_hz` [Hz] and `window`, as
-    `scipy.signal.get_window` names it; two-way travel time of a range bin `bin_s` [s]; `widening`
-    of the range response over the window's; antenna over the snow `height_m` [m]; its two-sided 3
-    dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
+    `centre_hz`, `bandwidth_hz` [Hz] and `window`, as `scipy.signal.get_window` names it, are those
+    of the processed sweep; two-way travel time of a range bin `bin_s` [s]; `widening` of the range
+    response over the window's; antenna over the snow `height_m` [m]; its two-sided 3 dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
     `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB].
     ValueError where one is not positive, bins are so short that speckle is alike over 16 of them,
     or longer than 1.5 range cells.
@@ -107,6 +106,11 @@ class Radar:
         name = self.window if isinstance(self.window, str) else self.window[0]
         return get_window(self.window, N_FREQUENCIES, fftbins=name != "kaiser_bessel_derived")
 
+    def _offsets_hz(self):
+        """Frequencies of the range response about the centre, (`N_FREQUENCIES`,) [Hz]."""
+        place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
+        return place * self.bandwidth_hz / self.widening
+
     @property
     def cell_s(self):
         """Range cell [s]: equivalent width of the response to power.
@@ -120,10 +124,8 @@ class Radar:
     @property
     def sweep(self):
         """Frequencies as `snowsim.snowpack.combine` takes them, of the range response's band."""
-        weight = self._weight()
-        place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
-        frequency_hz = self.centre_hz + place * self.bandwidth_hz / self.widening
-        return Sweep(frequency_hz[SWEPT], weight[SWEPT], self.cell_s)
+        frequency_hz = self.centre_hz + self._offsets_hz()
+        return Sweep(frequency_hz[SWEPT], self._weight()[SWEPT], self.cell_s)
 
     def tail(self, slope, height_m):
         """Decay rate [1/s] of the echo off Gaussian slopes, and the share that the beam takes in.
@@ -148,9 +150,7 @@ class Radar:
         The squared transform of w^2.
         """
         weight = self._weight() ** 2
-        place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
-        frequency_hz = place * self.bandwidth_hz / self.widening
-        phase = np.outer(np.arange(MOST_LAGS + 1), frequency_hz)
+        phase = np.outer(np.arange(MOST_LAGS + 1), self._offsets_hz())
         turn = np.exp(2j * np.pi * self.bin_s * phase)
         power = np.abs(turn @ weight / weight.sum()) ** 2
         power /= power[0]  # 1 but for rounding
@@ -317,10 +317,10 @@ class Climate:
         share = density_herron_langway80(middle_m, *firn) / ICE_DENSITY_KG_M3
         density_lines = DENSITY_LENGTH_M / line_spacing_m
         anomaly = draw_along_track(self.n_years + 1, n_range_lines, density_lines, rng=rng)
-        # In logits: of the s.d. asked for at the top, never below nothing or above ice.
+        # Logits have the s.d. asked for at the top and keep density between nothing and ice.
         width = self.density_sd_kg_m3 / ICE_DENSITY_KG_M3 / (share[0] * (1 - share[0]))
         density = ICE_DENSITY_KG_M3 / (1 + (1 - share) / share * np.exp(-width * anomaly))
-        # Of years that drift, distances vary along track.
+        # Years drift, so that distances vary along track.
         return Snowpack(depth_herron_langway80(water_m, *firn), density, coherent=False)
 
 
@@ -365,7 +365,7 @@ class _Echoes:
     below_s: np.ndarray
     depth_m: np.ndarray
     power: np.ndarray
-    # By layer.
+    # One value a layer.
     index_above: np.ndarray
     roughness_m: np.ndarray
     slope: np.ndarray
@@ -377,8 +377,7 @@ def _one_by_one(snowpack, radar):
     if snowpack.coherent is None:
         _warn_of_close(below_s, radar)
     reflected = _reflection(index) ** 2
-    passed = np.ones_like(reflected)
-    passed[1:] = np.cumprod((1 - reflected[:-1]) ** 2, axis=0)
+    passed = np.cumprod(np.r_[np.ones_like(reflected[:1]), (1 - reflected[:-1]) ** 2], axis=0)
     return _Echoes(
         below_s=below_s,
         depth_m=snowpack.depth_m,
@@ -413,7 +412,7 @@ def _combined(snowpack, radar):
 def _index_and_delay(snowpack):
     """Refractive index, air first, and two-way travel time to each interface [s]."""
     density = snowpack.density_kg_m3
-    index = 1 + KOVACS_M3_KG * np.r_[0 * density[:1], density]
+    index = refractive_index_kovacs95(np.r_[0 * density[:1], density])
     depth_m = snowpack.depth_m
     optical_m = np.r_[depth_m[:1], index[1:-1] * np.diff(depth_m, axis=0)]
     return index, 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)

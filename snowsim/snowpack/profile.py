@@ -35,7 +35,7 @@ class Sweep:
 
     @property
     def step_s(self):
-        """Of samples of power [s]."""
+        """Time between samples of power [s]."""
         return self.cell_s / SAMPLES
 
     @property
@@ -224,8 +224,8 @@ def _extents(depth_m, thickness_m):
         return depth_m - thickness_m / 2, depth_m + thickness_m / 2
     between_m = (depth_m[:-1] + depth_m[1:]) / 2
     last_m = 2 * depth_m[-1:] - between_m[-1:] if between_m.size else depth_m
-    # Of the first as much above its depth as below, and all of the snow above if that is less
-    # than a sample.
+    # The first sample reaches as far above its depth as below, and to the surface if what is left
+    # above is less than a sample.
     first_m = 2 * depth_m[:1] - between_m[:1] if between_m.size else 0 * depth_m
     first_m[first_m < 2 * (depth_m[:1] - first_m)] = 0
     return np.append(first_m, between_m), np.append(between_m, last_m)

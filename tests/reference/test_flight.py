@@ -4,6 +4,7 @@ from flights import BARE, climate_of, column_at
 from numpy.testing import assert_allclose, assert_array_equal
 
 from reference import draw_complex_segment, draw_frame
+from reference.column import reflectivity, surface_reflectivity
 from reference.echo import draw_echo, draw_layering
 from reference.line import line_length_km
 from snowsim.constants import SPEED_OF_LIGHT_M_S
@@ -158,3 +159,11 @@ def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample
     assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
     layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
     assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))
+
+
+def test_a_small_step_and_a_surface_reflect_as_fresnel():
+    above, below = firn.refractive_index_kovacs95([400 - 5, 400 + 5])
+    fresnel = ((below - above) / (below + above)) ** 2
+    assert_allclose(reflectivity(10, 400), fresnel, rtol=1e-12)
+    of_air_on_snow = ((1.2873 - 1) / (1.2873 + 1)) ** 2
+    assert_allclose(surface_reflectivity(340), of_air_on_snow, rtol=1e-4)

@@ -61,7 +61,7 @@ def simulated(snow, band):
     plane = {"height_m": 1e6, "widening": 1.0, "bin_s": cell_s / 6}
     radar = replace(PRESETS[band], **plane, n_looks=1e5, surface_to_noise_db=90.0)
     with warnings.catch_warnings():
-        # Of what reflections above take: multiples count here.
+        # It tells what reflections above take; multiples count here.
         warnings.simplefilter("ignore", UserWarning)
         echogram, layers = snowsim.simulate(snow, radar, n_range_lines=1, rng=1)
     surface_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S

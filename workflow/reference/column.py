@@ -13,7 +13,7 @@ from snowsim.snowpack.firn import (
     KOVACS_M3_KG,
     density_herron_langway80,
     depth_herron_langway80,
-    reflectivity,
+    refractive_index_kovacs95,
     travel_time_s,
 )
 
@@ -200,3 +200,19 @@ def _draw_lenses(settings, years, percolation, *, rng):
     bins, depth_m = years.inside(year, age)
     jump = firn.lens_jump_kg_m3 * thickness * np.exp(-depth_m / years.fade_depth_m)
     return Interfaces(bins, reflectivity(jump, years.density_kg_m3[year]))
+
+
+def reflectivity(jump_kg_m3, density_kg_m3):
+    """Share of power that a small density step reflects, seen straight down; broadcasts.
+
+    Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995). The neglected factor
+    ``1 - dn / n`` is below 0.3 dB for steps up to 100 kg m-3.
+    """
+    index = 1 + KOVACS_M3_KG * density_kg_m3
+    return (KOVACS_M3_KG * jump_kg_m3 / (2 * index)) ** 2
+
+
+def surface_reflectivity(density_kg_m3):
+    """Share of power that snow of this density reflects to air, Fresnel at normal incidence."""
+    index = refractive_index_kovacs95(density_kg_m3)
+    return ((index - 1) / (index + 1)) ** 2

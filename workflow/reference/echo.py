@@ -7,7 +7,7 @@ from scipy import fft
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
-from reference.column import Column, draw_column
+from reference.column import Column, draw_column, surface_reflectivity
 from reference.radar import (
     SATURATION_LEVEL,
     SATURATION_NOISE,
@@ -24,7 +24,7 @@ from reference.radar import (
 )
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.snowpack.along_track import draw_along_track, gaussian_taps
-from snowsim.snowpack.firn import KOVACS_M3_KG, refractive_index_kovacs95, surface_reflectivity
+from snowsim.snowpack.firn import KOVACS_M3_KG, refractive_index_kovacs95
 
 FOOTPRINT_M = 14.5  # along track, Table I of Yari et al. (2021), IEEE JSTARS 14
 SURFACE_LENGTH_M = 120.0  # correlation length of the surface echo's strength

@@ -4,7 +4,6 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from snowsim.echogram import crossing_layers
-from snowsim.seeding import on_grid
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above, among which its valley is sought
 REACH_BINS = 4  # distance from a layer within which the picker looks for its peak
@@ -12,6 +11,11 @@ REACH_BINS = 4  # distance from a layer within which the picker looks for its pe
 LAST_TRUSTED_BINS = 3.0
 AGAIN_DB = 0.5  # additional rise from which on a lost layer is picked again
 N_BITS = 16  # binary places of a power in dB, 1.5e-5: all processors agree on them
+
+
+def on_grid(values, n_bits):
+    """Values as multiples of 2^-`n_bits`, float64 of the same shape: 2.4e-4 for 12."""
+    return np.ldexp(np.rint(np.ldexp(np.asarray(values, dtype=float), n_bits)), -n_bits)
 
 
 def rise_db(mean_power, layer_bins):

@@ -7,10 +7,17 @@ from reference.line import line_length_km, place_at
 from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.limits import check_values
-from snowsim.settings import Checked, limited, replaced, setting
+from snowsim.settings import Checked, replaced, setting
 from snowsim.snowpack.firn import depth_herron_langway80, travel_time_s
 
 DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
+
+
+def limited(default, low=None, high=None, about=""):
+    """A number with its default and its least and greatest value; without limits it is positive."""
+    if low is None:
+        return setting(default, about, exclusiveMinimum=0)
+    return setting(default, about, minimum=low, maximum=high)
 
 
 @dataclass(frozen=True)
