@@ -232,7 +232,8 @@ def test_impossible_cresis_fields_are_named(path, content, message, extra):
 
 @pytest.mark.parametrize("scale", [1e-3, 1, 50, 1e6])
 def test_linear_amplitude_for_decibels_is_told(path, content, scale):
-    content["Data"] = 10 ** (scale * np.sqrt(content["Data"]).clip(max=8) / 10)
+    with np.errstate(over="ignore"):
+        content["Data"] = 10 ** (scale * np.sqrt(content["Data"]).clip(max=8) / 10)
     formats.write_nsidc(path, content)
     refused(read_echogram, path, "Data: expected decibels, found .*: linear power|finite or NaN")
 
@@ -255,5 +256,5 @@ def test_arrays_in_memory_need_travel_times_alone_and_names_are_checked(content)
 
 
 def test_zarr_reads_as_netcdf_does(path, content):
-    formats.opr_dataset(content).to_zarr(path)
+    formats.opr_dataset(content).to_zarr(path, consolidated=False)
     assert_array_equal(read_echogram(path)["Data"], content["Data"])

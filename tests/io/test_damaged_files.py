@@ -1,26 +1,33 @@
-"""Damaged files give one line, never a crash, a hang or another exception.
+"""Damaged files, and files made to harm, give one line: never a crash, a hang, another exception.
 
-They are truncated, or bits of them are flipped. Files are read in a child process under a limit of
-time and of memory. Files without checksums cannot tell a flipped bit of a sample from data: there,
-at most the values that were hit may differ.
+Truncated ones, and ones with flipped bits, are read in a child process under a limit of time and of
+memory. Files without checksums cannot tell a flipped bit of a sample from data: there, at most the
+values that were hit may differ.
 """
 
 import json
 import resource
 import shutil
+import struct
 import subprocess
 import sys
+import zlib
 from functools import partial
 from pathlib import Path
 
 import formats
+import h5py
+import netCDF4
 import numpy as np
 import pytest
+from formats import refused
 
 from snowsim.echogram import Scene
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.files import write_dataset
+from snowsim.io.containers import read_matlab
+from snowsim.io.files import MAXIMUM_BYTES, write_dataset
 from snowsim.io.pairs import layer_numbers, read_image, read_pair, write_image
+from snowsim.io.scenes import SceneSet, write_scenes
 
 MOST_FLIPS = 8
 # A file is called after its kind, which begins with what it holds.
@@ -127,7 +134,7 @@ def test_damaged_files_give_one_line_or_values_but_for_those_hit(tmp_path, rng, 
 @pytest.mark.parametrize("n_stores", [20, pytest.param(300, marks=pytest.mark.slow)])
 def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
     sound = tmp_path / "echogram-sound"
-    formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(sound)
+    formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(sound, consolidated=False)
     for number in range(n_stores):
         store = shutil.copytree(sound, tmp_path / f"echogram-zarr-{number:04d}")
         files = [path for path in sorted(store.rglob("*")) if path.is_file()]
@@ -135,6 +142,144 @@ def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
         file.write_bytes(flipped(file.read_bytes(), rng)[: rng.integers(1, 1000)])
     outcomes = outcomes_of(tmp_path)
     assert sum("error" in outcome for outcome in outcomes.values()) > n_stores / 10
+
+
+def with_change(write, **changed):
+    """Writer of a file with some variables changed."""
+    return lambda path, content: write(path, content | changed)
+
+
+def write_bomb(path, content):
+    """Data of a MAT v5 file that say they inflate to 3 GB."""
+    n_bytes = 3 * 2**30
+    shape = struct.pack("<II2i", 5, 8, n_bytes // 8 // 1024, 1024)
+    head = struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<HH4s", 1, 4, b"Data")
+    packed = zlib.compress(struct.pack("<II", 14, n_bytes) + head + bytes(2**24))
+    formats.write_mat5(path, {name: content[name] for name in content if name != "Data"})
+    path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(packed)) + packed)
+
+
+def write_huge_mat73(path, content):
+    formats.write_mat73(path, {name: content[name] for name in content if name != "Data"})
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000))
+
+
+def write_code(path, content):
+    """A function handle for power."""
+    formats.write_mat73(path, {name: content[name] for name in content if name != "Data"})
+    with h5py.File(path, "r+") as file:
+        file.create_group("Data/function_handle")
+
+
+def write_circle(path, content):
+    """References that followed to the end would never end."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name in ("layerData", "b"):
+            file.create_dataset(name, (1000, 1), dtype=h5py.ref_dtype)
+        file["layerData"][...] = file["b"].ref
+        file["b"][...] = file["layerData"].ref
+        file["GPS_time"] = np.zeros((3, 1))
+
+
+def write_huge_netcdf(path, content):
+    formats.write_nsidc(path, content | {"Data": np.ones((120, 40))})
+    with netCDF4.Dataset(path, "r+") as file:
+        file.createDimension("huge", 10**9)
+        file.createVariable("huge", "f8", ("huge",), zlib=True)
+
+
+def write_endless_heap(path, content):
+    """A length that, rounded up to 8 and added to its header, comes to nothing in 64 bits."""
+    formats.write_nsidc(path, content)
+    make_heap_endless(path)
+
+
+def make_heap_endless(path):
+    whole = path.read_bytes()
+    length_at = whole.index(b"GCOL") + 24
+    path.write_bytes(whole[:length_at] + struct.pack("<q", -16) + whole[length_at + 8 :])
+
+
+TOO_LARGE = f"expected at most {MAXIMUM_BYTES} bytes, found"
+NO_NUMBERS = "Elevation: expected real numbers"
+NO_DATA = "content: expected MAT v5, MAT v7.3, NetCDF or Zarr, found"
+# What no numbers are, in place of elevations.
+NOT_ELEVATIONS = ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))]
+# By format: files made to harm, the reader that meets them, and what it says.
+HARMFUL = {
+    "mat5": [
+        (write_bomb, read_echogram, TOO_LARGE),
+        (with_change(formats.write_mat5, Data=np.ones((120, 40)) * 1j), read_echogram, "imaginary"),
+        *(
+            (with_change(formats.write_mat5, Elevation=e), read_echogram, NO_NUMBERS)
+            for e in NOT_ELEVATIONS
+        ),
+    ],
+    "mat73": [
+        (write_huge_mat73, read_echogram, TOO_LARGE),
+        (write_code, read_echogram, "Data|MAT file"),
+        (write_circle, read_layers, "RecursionError|expected at most"),
+        *(
+            (with_change(formats.write_mat73, Elevation=e), read_echogram, NO_NUMBERS)
+            for e in NOT_ELEVATIONS
+        ),
+    ],
+    "netcdf": [
+        (write_huge_netcdf, read_echogram, TOO_LARGE),
+        (write_endless_heap, read_echogram, "HDF5: expected heaps that hold their objects"),
+    ],
+    "none": [
+        (lambda path, _: None, read_echogram, "expected .*, found .*No such file"),
+        (lambda path, _: path.mkdir(), read_layers, NO_DATA),
+        *(
+            (lambda path, _, content=content: path.write_bytes(content), read, NO_DATA)
+            for content in (b"", b"\x89HDF\r\n\x1a\n", b"CDF\x01" + bytes(4), b"GIF89a")
+            for read in (read_echogram, read_layers)
+        ),
+        (
+            lambda path, _: path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\x00\x01IM"),
+            read_layers,
+            "variables: expected those of an echogram",
+        ),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("write", "read", "message"),
+    [
+        pytest.param(*harm, id=f"{form}-{number}")
+        for form, harms in HARMFUL.items()
+        for number, harm in enumerate(harms)
+    ],
+)
+def test_files_made_to_harm_and_what_is_no_data_are_refused(path, content, write, read, message):
+    write(path, content)
+    refused(read, path, message)
+
+
+def test_function_handles_among_parameters_are_no_data(path, content, shared_data):
+    formats.write_mat73(path, content)
+    with h5py.File(path, "r+") as file:
+        handle = file.create_group("param_records/radar/lever_arm_fh")
+        handle.attrs["MATLAB_class"] = np.bytes_("function_handle")
+    assert read_echogram(path)["Data"].shape == content["Data"].shape
+    real = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
+    assert read_matlab(real, ["param"])["param"]["day_seg"] == "20181030_01"
+
+
+def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):
+    write_scenes(path, scenes)
+    with netCDF4.Dataset(path, "r+") as file:
+        file.set_auto_mask(False)
+        # As it reads where a flipped bit hides a part of the file.
+        file["layer_bins"][2, 7] = netCDF4.default_fillvals["f4"]
+    with SceneSet(path) as read:
+        refused(lambda _: read[0], path, "layer_bins: expected numbers, found values that were nev")
+        assert read[1].n_range_lines == 256
+    make_heap_endless(path)
+    refused(SceneSet, path, "HDF5: expected heaps that hold their objects")
 
 
 if __name__ == "__main__":
