@@ -89,7 +89,7 @@ def opened(path):
     path = Path(path)
     with library_errors(path, "content: expected MAT v5, MAT v7.3, NetCDF or Zarr"):
         if path.is_dir():
-            return _labelled(path, engine="zarr")
+            return _labelled(path, engine="zarr", consolidated=False)
         content = path.read_bytes()
         if content.startswith(NETCDF3):
             # Not by netCDF4: of 400 damaged files 3 never ended there.
