@@ -14,6 +14,7 @@ DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
 DEGREES = {"Latitude": 90, "Longitude": 360}
+FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
 
 class Kind(IntEnum):
@@ -310,6 +311,21 @@ def layer_bins_of(layers, echogram):
         msg += "snowsim.frames.align_layers puts layers on its lines"
         raise ValueError(msg)
     return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
+
+
+def own_surface_bins(echogram):
+    """The echogram's own surface (range_line,) [range bins], NaN where it is not in the record."""
+    below_first_s = echogram["Surface"].values - echogram["twtt"].values[0]
+    return np.where(below_first_s >= 0, below_first_s, np.nan) / bin_size_s(echogram)
+
+
+def surface_away_bins(echogram, layers):
+    """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown.
+
+    Beyond `FAR_BINS` layer 0 may be another layer.
+    """
+    away = np.abs(layer_bins_of(layers, echogram)[0] - own_surface_bins(echogram))
+    return np.nanmedian(away) if np.isfinite(away).any() else np.nan
 
 
 def along_track_m(echogram):

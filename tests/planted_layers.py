@@ -79,7 +79,7 @@ def planted(rng, *, n_bins=400, n_lines=300, bin_s=BIN_S, spacing_m=SPACING_M, c
 
 
 def content_of(echogram, lines=slice(None)):
-    """Of an L1B file, with the times of the test files' day."""
+    """Content of an L1B file, with the times of the test files' day."""
     number = np.arange(echogram.sizes["slow_time"])[lines]
     gps_time = formats.GPS_START + 0.0437 * number
     return formats.content_of(echogram.isel(slow_time=lines), gps_time, 3e-6)

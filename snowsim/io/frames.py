@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim import frames
-from snowsim.echogram import bin_size_s, check_choice
+from snowsim.echogram import FAR_BINS, bin_size_s, check_choice, surface_away_bins
 from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
@@ -22,7 +22,6 @@ COLUMNS = ("frame", "echogram", "layers", "role")
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
-FAR_BINS = 15  # further than this from the echogram's surface, layer 0 may be another layer
 
 
 def read_frames(path):
@@ -205,10 +204,9 @@ def _layers_from_surface(path, layer_names):
 
 def _warn_of_surface(path, layers, echogram):
     """Warn if the median distance of layer 0 from the echogram's own surface is large."""
-    inside = echogram["Surface"].where(echogram["Surface"] >= echogram["twtt"][0])
-    away = np.abs(layers["twtt"].isel(layer=0).values - inside) / bin_size_s(echogram)
-    if away.median() > FAR_BINS:
-        msg = f"{path}: layer 0 lies {away.median():.0f} range bins from the echogram's "
+    away_bins = surface_away_bins(echogram, layers)
+    if away_bins > FAR_BINS:
+        msg = f"{path}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
         msg += "Surface in the median: is it the snow surface?"
         warnings.warn(msg, UserWarning, stacklevel=3)
 

@@ -45,8 +45,8 @@ class Settings(Checked):
     )
     precision: str = setting(
         "bfloat16",
-        "of the arithmetic; weights are always float32. A processor without AVX-512 computes "
-        "bfloat16 in float32, which is ten times faster there",
+        "precision of the arithmetic; weights are always float32. A processor without AVX-512 "
+        "computes bfloat16 in float32, which is ten times faster there",
         enum=("float32", "bfloat16"),
     )
     scales: tuple = setting(

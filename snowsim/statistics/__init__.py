@@ -4,8 +4,9 @@ import warnings
 
 import numpy as np
 
+from snowsim.echogram import FAR_BINS, surface_away_bins
 from snowsim.progress import shown
-from snowsim.statistics.doubts import FAR_BINS, looks_like_amplitude, surface_away_bins
+from snowsim.statistics.doubts import looks_like_amplitude
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise

@@ -2,25 +2,12 @@
 
 import numpy as np
 
-from snowsim.echogram import bin_size_s, layer_bins_of
+from snowsim.echogram import layer_bins_of, own_surface_bins
 from snowsim.statistics.summaries import AIR_MARGIN_BINS
 
-FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 LEAST_AIR_BINS = 32
 # Of skewness over coefficient of variation, between amplitude and power.
 LEAST_OF_POWER = 1.4
-
-
-def surface_away_bins(echogram, layers):
-    """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown."""
-    away = np.abs(layer_bins_of(layers, echogram)[0] - _own_surface_bins(echogram))
-    return np.nanmedian(away) if np.isfinite(away).any() else np.nan
-
-
-def _own_surface_bins(echogram):
-    """The echogram's own surface (range_line,) [range bins], NaN where it is not in the record."""
-    below_first_s = echogram["Surface"].values - echogram["twtt"].values[0]
-    return np.where(below_first_s >= 0, below_first_s, np.nan) / bin_size_s(echogram)
 
 
 def looks_like_amplitude(echogram, layers):
@@ -31,7 +18,7 @@ def looks_like_amplitude(echogram, layers):
     """
     power = echogram["Data"].transpose("twtt", "slow_time").values
     # Layer 0 may be another layer.
-    surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], _own_surface_bins(echogram))
+    surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], own_surface_bins(echogram))
     if not np.isfinite(surface_bins).any():
         return False
     air = power[: max(int(np.nanmin(surface_bins)) - AIR_MARGIN_BINS, 0)]

@@ -92,9 +92,7 @@ class Grid:
 
     def averaged(self, values):
         """Mean over the own lines (range_line,) in each line of the image."""
-        firsts = np.arange(0, values.size, self.n_averaged)
-        counts = np.diff([*firsts, values.size])
-        return np.add.reduceat(values, firsts) / counts
+        return _mean_of_lines(values[None], self.n_averaged)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,11 +312,11 @@ def _level_db(power, top, n_rows, n_averaged):
     return _in_db(level)
 
 
-def _mean_of_lines(power, n_averaged):
-    """Mean power over as many lines, of what was recorded; the last may have fewer."""
-    firsts = np.arange(0, power.shape[1], n_averaged)
-    present = np.isfinite(power)
-    sums = np.add.reduceat(np.where(present, power, 0), firsts, axis=1)
+def _mean_of_lines(values, n_averaged):
+    """Mean over as many lines of what is known; the last may have fewer."""
+    firsts = np.arange(0, values.shape[1], n_averaged)
+    present = np.isfinite(values)
+    sums = np.add.reduceat(np.where(present, values, 0), firsts, axis=1)
     counts = np.add.reduceat(present.astype(np.int32), firsts, axis=1)
     return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
 

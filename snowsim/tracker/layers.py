@@ -26,7 +26,7 @@ ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
 NEAR_LINES = 8
 FAR_LINES = 48
 LARGEST = 3.0  # log-odds that count on a line
-# Of picks as sure as that, so many rows hold nine tenths of the errors of those that have a layer.
+# Confidence, and the rows that hold nine tenths of the errors of such picks where there is a layer.
 SURE = (0.45, 0.55, 0.65, 0.75, 0.85, 0.95)
 HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 

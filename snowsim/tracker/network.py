@@ -12,7 +12,7 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic
 
-# Of each stage: channels, as a multiple of the width, and number of convolutions, as in VGG16.
+# Channels of each stage, as a multiple of the width, and its convolutions, as in VGG16.
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
 
 

@@ -87,20 +87,22 @@ def chosen_surface(given, found, share, n_bins):
     `find_surface`.
     """
     if not np.isfinite(given).any():
-        return bridged(found), "the file has no surface, it was found in the echogram"
+        return gaps_filled(found), "the file has no surface, it was found in the echogram"
     known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
     both = known & np.isfinite(found)
     outside = np.isfinite(given) & ~known
     wrong = ~known | (both & _astray(given, found, share))
     if outside.sum() > WRONG_SHARE * given.size:
         reason = f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
-        return bridged(found), reason + "range lines, the strongest rise of power is taken for it"
+        return gaps_filled(
+            found
+        ), reason + "range lines, the strongest rise of power is taken for it"
     if wrong.sum() <= WRONG_SHARE * given.size and not _off(given[both], found[both], share[both]):
-        return bridged(np.where(wrong, found, given)), None
+        return gaps_filled(np.where(wrong, found, given)), None
     n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
     reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
     reason += "(none is given, or no echo rises there), it was found in the echogram"
-    return bridged(found), reason
+    return gaps_filled(found), reason
 
 
 def _astray(given, found, share):
@@ -124,8 +126,8 @@ def _off(given, found, share):
     return off < -OFF_BINS or (off > OFF_BINS and np.median(share) < RISE_SHARE)
 
 
-def bridged(bins):
-    """Bins by range line, straight across gaps."""
+def gaps_filled(bins):
+    """Bins by range line, gaps filled in straight lines."""
     known = np.isfinite(bins)
     lines = np.arange(bins.size)
     return np.interp(lines, lines[known], bins[known])
