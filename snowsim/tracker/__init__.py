@@ -17,6 +17,7 @@ MODULES = {
         "calibrate",
         "edge_scores",
         "fit_logistic",
+        "near_a_layer",
         "reliability",
         "ridges_of",
     ),

@@ -108,12 +108,17 @@ def ridges_of(logits, scenes):
     near = []
     for each, scene in zip(logits, scenes, strict=True):
         row, line = np.nonzero(suppress(expit(each)) >= LEAST_PROBABILITY)
-        distance = np.abs(scene.layer_bins[:, line] - row)
-        nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
         found.append(each[row, line].astype(float))
-        near.append(nearest <= WITHIN_BINS)
+        near.append(near_a_layer(row, line, scene))
     check_count("picks to calibrate on", sum(hits.size for hits in near))
     return Ridges(np.concatenate(found), np.concatenate(near))
+
+
+def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):
+    """Whether a layer of a scene lies within some range bins of each pick, (pick,)."""
+    distance = np.abs(scene.layer_bins[:, line] - bins)
+    nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
+    return nearest <= within_bins
 
 
 def fit_logistic(ridges):

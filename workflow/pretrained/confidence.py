@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.optimize import minimize
 
-from pretrained.scores import near_a_layer, pieces_of
+from pretrained.scores import pieces_of
 from snowsim.limits import check_count
-from snowsim.tracker import features
+from snowsim.tracker import features, near_a_layer
 
 
 def fit_confidence(logits, scenes, calibration):

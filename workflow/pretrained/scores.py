@@ -24,6 +24,7 @@ from snowsim.tracker import (
     fused_logits,
     join,
     link,
+    near_a_layer,
     on_lines,
     pieces_in,
     reliability,
@@ -95,13 +96,6 @@ def followed(logits, tracker, shape):
     bins = np.array(bins).reshape(-1, shape[1])
     bins[crossing_layers(bins)] = np.nan
     return Picks(bins, np.array(sure).reshape(-1, shape[1]))
-
-
-def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):
-    """Whether a layer of a scene lies within some range bins of each pick, (pick,)."""
-    distance = np.abs(scene.layer_bins[:, line] - bins)
-    nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
-    return nearest <= within_bins
 
 
 def reliability_of(picks, scenes, scale=AS_THEY_ARE):
