@@ -394,7 +394,7 @@ def simulate(
     writers = (write_dataset, write_dataset)
     if echogram.suffix == ".mat":
         path_to_layers = echogram.parent / "CSARP_layer" / echogram.name
-        writers = (write_cresis, write_simulated_layers)
+        writers = (write_simulated_layers, write_cresis)
         if segment is None:
             msg = f"{echogram}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
             raise click.UsageError(msg)
@@ -406,8 +406,9 @@ def simulate(
         snow = Climate(**of_climate) if profile is None else measured_snow(profile, settings)
         before = None if after is None else read_echogram(after)
         seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
-    paths = (echogram, path_to_layers)
-    for path, dataset, write in zip(paths, (seen, layers), writers, strict=True):
+    # Layers first: others may be named beside them.
+    paths = (path_to_layers, echogram)
+    for path, dataset, write in zip(paths, (layers, seen), writers, strict=True):
         if segment is not None:
             dataset.attrs["granule"] = f"{segment}_{number:03d}"
         write(path, dataset)

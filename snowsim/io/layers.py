@@ -17,7 +17,7 @@ from snowsim.io.echograms import (
     parameters,
     utc_times,
 )
-from snowsim.io.files import library_errors, listed, one_line, refusal, write_dataset
+from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's convention.
@@ -261,7 +261,7 @@ def write_simulated_layers(path, layers):
     names = _layer_names(layers.sizes["layer"])
     there = [name for name, _ in _organized(path).values()]
     if there not in ([], names):
-        raise refusal(organizer, "lyr_name", listed(names), listed(there))
+        raise refusal(organizer, "lyr_name", f"surface to {names[-1]}", ", ".join(there))
     content = _organizer_content(segment, layers.attrs, len(names), "simulated")
     write_matlab(organizer, "layers", content)
     write_matlab(path, "layers", _frame_content(segment, layers, len(names)))

@@ -99,8 +99,9 @@ def test_an_organizer_of_other_layers_is_not_written_over(tmp_path):
     content = {"lyr_id": [1.0, 2.0], "lyr_name": np.array(["surface", "bottom"], object)}
     scipy.io.savemat(organizer, content)
     before = organizer.read_bytes()
-    refused(lambda _: written(tmp_path), organizer, "expected snow_1, .* found bottom")
+    refused(lambda _: written(tmp_path), organizer, "to snow_20, found surface, bottom")
     assert organizer.read_bytes() == before
+    assert not (tmp_path / FRAME).exists()
 
 
 @pytest.mark.clients
