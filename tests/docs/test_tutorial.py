@@ -38,7 +38,10 @@ def blocks(page):
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory):
-    """A copy of the project, set up, whose default configuration is the tiny one."""
+    """A copy of the project, set up, whose default configuration is the tiny one.
+
+    Its flight is the default one: the pages name frames of it.
+    """
     folder = tmp_path_factory.mktemp("clone") / "snowsim"
     shutil.copytree(ROOT, folder, ignore=NOT_COPIED, symlinks=True)
     (folder / ".venv").symlink_to(Path(sys.executable).parents[1])
@@ -49,9 +52,7 @@ def clone(tmp_path_factory):
         os.utime(folder / name, (0, 0))
     config = yaml.safe_load((folder / "config/config.yaml").read_text())
     tiny = yaml.safe_load((folder / "config/tiny.yaml").read_text())
-    # Scenes are cut from frames of full length.
-    del tiny["flight"]["n_range_lines"]
-    del tiny["flight"]["frames_per_job"]
+    del tiny["flight"]
     update_config(config, tiny)
     (folder / "config/config.yaml").write_text(yaml.safe_dump(config))
     return folder
