@@ -56,7 +56,8 @@ class Radar:
 
     `centre_hz`, `bandwidth_hz` [Hz] and `window`, as `scipy.signal.get_window` names it, are those
     of the processed sweep; two-way travel time of a range bin `bin_s` [s]; `widening` of the range
-    response over the window's; antenna over the snow `height_m` [m]; its two-sided 3 dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
+    response over the window's; antenna over the snow `height_m` [m]; its two-sided 3 dB beam
+    `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
     `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB].
     ValueError where one is not positive, bins are so short that speckle is alike over 16 of them,
     or longer than 1.5 range cells.
