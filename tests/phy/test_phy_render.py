@@ -5,7 +5,7 @@ from scipy.stats import ks_2samp
 
 from evaluation.lib.literal_phy import planted_scene, render_as_printed
 from snowsim.phy import mean_power, render
-from snowsim.phy.render import draw_gain
+from snowsim.phy.rendering import draw_gain
 
 N_RANGE_BINS = 200
 
