@@ -74,7 +74,7 @@ COMPLEX = 0x800
 
 @dataclass(frozen=True)
 class Stored:
-    """What a file holds: names of its variables, and what reads them, as they are stored.
+    """What a file holds: names of its variables, and what reads them.
 
     `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store, `read(names)` of a MAT file
     a dict of those of the names that it has.
@@ -141,7 +141,7 @@ def in_words(kind):
 
 
 def read_netcdf(path):
-    """Dataset of a NetCDF file or Zarr store, values as they are stored."""
+    """Dataset of a NetCDF file or Zarr store."""
     with library_errors(path):
         return opened(path).read()
 
@@ -217,7 +217,24 @@ def _labelled(source, **how):
     """What a NetCDF file or Zarr store holds."""
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     check_size("variables", dataset.nbytes)
-    return Stored(frozenset(dataset.variables), dataset.load)
+    return Stored(frozenset(dataset.variables), partial(_read_labelled, dataset))
+
+
+def _read_labelled(dataset):
+    """Dataset in memory, with what attributes of CF tell applied: scale, fill values, times.
+
+    A fill value that no attribute tells hides nothing, and durations stay numbers: rounded to
+    nanoseconds they would lose their range bins.
+    """
+    times = xr.coders.CFDatetimeCoder(use_cftime=False)
+    try:
+        return xr.decode_cf(dataset, decode_times=times, decode_timedelta=False).load()
+    except (ValueError, OverflowError) as error:
+        for name, variable in dataset.variables.items():
+            units = str(variable.attrs.get("units", ""))
+            if " since " in units and units in str(error):
+                raise refusal(None, name, "units of time that CF allows", repr(units)) from error
+        raise
 
 
 def _read_mat5(file, shapes, names):

@@ -47,6 +47,9 @@ PARAMETERS = ("season_name", "radar_name", "day_seg")
 NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 THIS_AGE = ("1980-01-06", "2100-01-01")
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
+# Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
+TELL_GPS = ("granule", "mimetype", "source_url")
+TELL_UTC = ("source_format", "synthetic", "tracker")
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
 # Reference Systems Service.
 LEAP_DAYS = sorted(
@@ -124,8 +127,15 @@ def read_opr(path, stored):
 
 
 def decoded(stored):
-    """Dataset of Open Polar Radar in memory, with times as datetime64 and `twtt` in seconds."""
-    dataset = xr.decode_cf(stored.read(), decode_timedelta=False).load()
+    """Dataset of Open Polar Radar in memory, `slow_time` UTC and `twtt` in seconds.
+
+    xopr has GPS time there, leap seconds kept, and tells it by the attributes that it writes.
+    """
+    dataset = stored.read()
+    if not set(TELL_GPS).isdisjoint(dataset.attrs) and set(TELL_UTC).isdisjoint(dataset.attrs):
+        times = dataset["slow_time"].values.astype("datetime64[ns]")
+        late = np.timedelta64(leap_seconds(times[0], gps=True), "s")
+        dataset = dataset.assign_coords(slow_time=times - late).assign_attrs(source_format="xopr")
     return dataset.assign(twtt=in_seconds(dataset["twtt"], "s"))
 
 
@@ -137,25 +147,27 @@ def in_seconds(times, unit):
     return times if SECONDS[unit] == 1 else (times * SECONDS[unit]).assign_attrs(units="s")
 
 
-def utc_times(seconds, epoch="1970-01-01", *, gps=False):
-    """Seconds since a time as UTC, datetime64[ns] (range_line,); refused if not of this age.
+def utc_times(seconds, *, gps=False):
+    """Seconds since 1970 as UTC, datetime64[ns] (range_line,); refused if not of this age.
 
     GPS seconds lose their leap seconds. One offset holds for a whole file, that of its first line,
     as in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
     """
     seconds = np.ravel(seconds).astype(float)
-    if gps:
-        days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
-        seconds = seconds - np.searchsorted(days + 1 + np.arange(days.size), seconds[0], "right")
-    start = np.datetime64(epoch, "s")
-    first, last = (np.array(THIS_AGE, dtype="datetime64[s]") - start).astype(float)
-    inside = (seconds >= first) & (seconds < last)
-    if not inside.all():
-        expected = f"seconds since {epoch} that fall in {' to '.join(THIS_AGE)}"
-        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
+    check_age(seconds)
+    late_s = leap_seconds(np.datetime64(int(seconds[0]), "s"), gps=True) if gps else 0
     whole = np.floor(seconds)
     nanoseconds = np.rint((seconds - whole) * 1e9)
-    return start + whole.astype("timedelta64[s]") + nanoseconds.astype("timedelta64[ns]")
+    return (whole - late_s).astype("datetime64[s]") + nanoseconds.astype("timedelta64[ns]")
+
+
+def check_age(seconds):
+    """Refuse seconds since 1970, (range_line,), that are not of this age."""
+    first, end = np.array(THIS_AGE, dtype="datetime64[s]").astype(float)
+    inside = (seconds >= first) & (seconds < end)
+    if not inside.all():
+        expected = f"seconds since 1970 that fall in {' to '.join(THIS_AGE)}"
+        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
 
 
 def gps_seconds(slow_time):
@@ -165,11 +177,17 @@ def gps_seconds(slow_time):
     2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
     line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
     """
-    nanoseconds = np.asarray(slow_time, dtype="datetime64[ns]").astype(np.int64)
-    days = np.array(LEAP_DAYS, dtype="datetime64[ns]").astype(np.int64)
-    offset = int(np.searchsorted(days, nanoseconds[0], side="right"))
-    whole, rest = np.divmod(nanoseconds, 1_000_000_000)
-    return (whole + offset) + rest * 1e-9
+    times = np.asarray(slow_time, dtype="datetime64[ns]")
+    whole, rest = np.divmod(times.astype(np.int64), 1_000_000_000)
+    return (whole + leap_seconds(times[0])) + rest * 1e-9
+
+
+def leap_seconds(time, *, gps=False):
+    """How many seconds GPS is ahead of UTC at a time, which is UTC or `gps`."""
+    ticks = np.array(LEAP_DAYS, dtype="datetime64[ns]")
+    if gps:
+        ticks = ticks + np.arange(1, ticks.size + 1) * np.timedelta64(1, "s")
+    return int(np.searchsorted(ticks, time, side="right"))
 
 
 def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
@@ -204,27 +222,26 @@ NSIDC_NAMES = {
     "Heading": "heading",
 }
 ATTITUDE = ("Roll", "Pitch", "Heading")
-HALF_DAY_S = 43200
+HALF_DAY = np.timedelta64(12, "h")
 
 
 def read_nsidc(path, stored, *, compensated=False):
     """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
 
     `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
-    NaN; `time` (seconds of day, UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes
+    NaN; `time` (UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes
     `twtt`; degrees of attitude become radians. With a supplement beside it, bit i of `quality_mask`
     (slow_time) is flag i of its `flag_meanings`.
     """
-    # As stored: no fill value is set in these files, and a default one must not hide a value.
     stored = stored.read()
     axes = (*stored["fasttime"].dims, *stored["time"].dims)
-    seconds_of_day = np.ravel(stored["time"]).astype(float)
-    midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
-    epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
+    times = np.ravel(stored["time"]).astype("datetime64[ns]")
+    check_age(times.astype(float) * 1e-9)
+    midnights = np.cumsum(np.append(False, np.diff(times) < -HALF_DAY))
     content = {
         "Data": stored["amplitude"].transpose(*axes).values,
         "twtt": in_seconds(stored["fasttime"], "us").values,
-        "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
+        "slow_time": times + 2 * HALF_DAY * midnights,
     }
     for ours in ALONG_TRACK:
         theirs = NSIDC_NAMES.get(ours, ours)
@@ -243,7 +260,7 @@ def read_nsidc(path, stored, *, compensated=False):
         echogram = undo_compensation(echogram)
     supplement = find_supplement(path)
     if supplement is not None:
-        echogram["quality_mask"] = _quality_mask(supplement, seconds_of_day.size)
+        echogram["quality_mask"] = _quality_mask(supplement, times.size)
         echogram.attrs["supplement"] = supplement.name
     return echogram
 

@@ -13,6 +13,7 @@ from snowsim.echogram import FAR_BINS, bin_size_s, check_choice, surface_away_bi
 from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
+from snowsim.io.echograms import leap_seconds
 from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among
 from snowsim.progress import shown
@@ -22,6 +23,9 @@ COLUMNS = ("frame", "echogram", "layers", "role")
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
+# A share of an echogram's range lines, and how near lines of layers lie to it that are the same.
+MOST_LINES = 0.99
+SAME_LINE = np.timedelta64(1, "ms")
 
 
 def read_frames(path):
@@ -175,6 +179,7 @@ def read_frame(
         check_choice("flagged_by", flag, SUPPLEMENT_FLAGS)
     echogram = read_echogram(row.echogram, source=source)
     layers = _layers_from_surface(row.layers, layer_names)
+    _check_clock(row.layers, layers, echogram)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
     _warn_of_surface(row.layers, layers, echogram)
     # Before levelling: a flagged line must not decide where the surface lies.
@@ -200,6 +205,23 @@ def _layers_from_surface(path, layer_names):
         absent = {"twtt": np.nan, "quality": 1, "type": 2}
         layers = layers.reindex(layer=list(layer_names), fill_value=absent)
     return layers
+
+
+def _check_clock(path, layers, echogram):
+    """Refuse layers whose lines are those of the echogram only if leap seconds are left out."""
+    ours, theirs = (pd.Index(each["slow_time"].values) for each in (echogram, layers))
+    late_s = leap_seconds(ours.values[0])
+    reach = np.median(np.diff(theirs)) if theirs.size > 1 else SAME_LINE
+    for tolerance in (SAME_LINE, reach):
+        share = {}
+        for shift_s in (0, late_s, -late_s):
+            shifted = theirs + np.timedelta64(shift_s, "s")
+            nearest = shifted.get_indexer(ours, method="nearest", tolerance=tolerance)
+            share[shift_s] = (nearest >= 0).mean()
+        shift_s = max(share, key=share.get)
+        if share[0] < MOST_LINES <= share[shift_s]:
+            found = f"times that are its own {shift_s} s later: is one of both GPS time?"
+            raise refusal(path, "slow_time", "UTC as in the echogram", found)
 
 
 def _warn_of_surface(path, layers, echogram):

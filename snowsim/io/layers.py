@@ -101,6 +101,8 @@ def chosen(dataset, names, missing, where):
     named = index.dtype.kind in "OUS"
     labels = index.astype(str)
     wanted = labels if names is None else pd.Index(list(names), dtype=str)
+    # Zero is no travel time: it stands where nobody picked.
+    dataset["twtt"] = dataset["twtt"].where(dataset["twtt"] != 0)
     has_picks = dataset["twtt"].notnull().any("slow_time").values
     keep = np.flatnonzero(labels.isin(wanted) & (has_picks | (not named)))
     absent = missing == "refuse" and not wanted.isin(labels).all()

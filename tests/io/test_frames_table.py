@@ -28,7 +28,7 @@ def flight(tmp_path, content):
 def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_its_sizes(table):
     assert table["frame"].tolist() == ["one", "two", "three"]
     assert len(list(each_frame(table, "train"))) == 1
-    for factor in (1, 2):
+    for factor in (1, 3):  # not 2: a time read 1 ns earlier would tip halves of bins
         for echogram, layers in each_frame(table, bin_s=factor * formats.BIN_S):
             assert_allclose(bin_size_s(echogram), factor * formats.BIN_S, rtol=1e-9)
             bins = layer_bins_of(layers, echogram)
@@ -126,6 +126,28 @@ def test_a_surface_far_from_the_echograms_or_without_a_name_is_told_of(flight, r
     (flight / formats.ORGANIZER_FILE).unlink()
     with pytest.raises(ValueError, match="layer: expected one named surface .*, found id 9, id 5"):
         read_frame(rows[0])
+
+
+@pytest.mark.parametrize("n_lines", [formats.N_LINES, 700], ids=["short", "long"])
+def test_layers_of_gps_time_are_named_as_such_where_they_fit_or_reach_over(
+    flight, rows, rng, n_lines
+):
+    # Lines of .0537 s: no whole number of them is 15 s.
+    content = formats.truth(rng, n_lines=n_lines)
+    content["GPS_time"] = formats.GPS_START + 0.0537 * np.arange(n_lines)
+    formats.write_mat5(flight / "b.mat", content)
+    longer = formats.truth(rng, n_lines=3 * n_lines)
+    times = formats.GPS_START + 0.0537 * np.arange(-n_lines, 2 * n_lines)
+    for late_s in (15, -15):
+        for gps_time, surface in ((content["GPS_time"], content), (times, longer)):
+            gps_time = gps_time + late_s
+            stored = formats.layer_content([surface["Surface"]], [9], gps_time)
+            formats.write_mat5(flight / LAYERS, stored)
+            with pytest.raises(ValueError, match=f"own {-late_s} s later: is one of both GPS time"):
+                read_frame(rows[1])
+    stored = formats.layer_content([longer["Surface"]], [9], times)
+    formats.write_mat5(flight / LAYERS, stored)
+    assert read_frame(rows[1])[1].sizes["slow_time"] == n_lines
 
 
 def test_compensated_files_give_the_frame_of_the_plain_ones(flight, rows, content):

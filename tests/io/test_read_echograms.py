@@ -1,15 +1,18 @@
 """Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
 import formats
+import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.io import echogram as echogram_of
 from snowsim.io import read_echogram
-from snowsim.io.echograms import utc_times
+from snowsim.io.echograms import gps_seconds, utc_times
 from snowsim.io.files import write_dataset
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
@@ -258,3 +261,96 @@ def test_arrays_in_memory_need_travel_times_alone_and_names_are_checked(content)
 def test_zarr_reads_as_netcdf_does(path, content):
     formats.opr_dataset(content).to_zarr(path, consolidated=False)
     assert_array_equal(read_echogram(path)["Data"], content["Data"])
+
+
+XOPR = {"granule": "20120330_04_001", "mimetype": "application/x-hdf5", "source_url": "https://x/y"}
+
+
+def with_gps_time(dataset, gps_time, **attributes):
+    """A dataset as xopr makes it: GPS seconds taken for UTC."""
+    slow_time = pd.to_datetime(gps_time, unit="s")
+    return dataset.assign_coords(slow_time=slow_time).assign_attrs(attributes)
+
+
+@pytest.mark.parametrize("told", [XOPR, {"source_url": "https://x/y"}], ids=["all", "one"])
+def test_gps_time_in_a_dataset_of_xopr_becomes_utc_and_gps_time_again(path, content, told):
+    gps_time = content["GPS_time"]
+    with_gps_time(formats.opr_dataset(content), gps_time, **told).to_netcdf(path)
+    echogram = read_echogram(path)
+    formats.check_times(echogram, gps_time)
+    # Doubles of this age lie 2.4e-7 s apart.
+    assert_allclose(gps_seconds(echogram["slow_time"].values), gps_time, rtol=0, atol=2.4e-7)
+    # Saved again, it is not corrected twice.
+    echogram.to_netcdf(path.with_name("again"))
+    assert_array_equal(read_echogram(path.with_name("again"))["slow_time"], echogram["slow_time"])
+
+
+def test_utc_in_datasets_of_ours_stays_though_they_have_a_granule_as_those_of_xopr(path, content):
+    ours = formats.opr_dataset(content).assign_attrs(synthetic="yes", granule="20120330_04_001")
+    ours.to_netcdf(path)
+    formats.check_times(read_echogram(path), content["GPS_time"])
+
+
+@pytest.mark.parametrize("dtype", ["i2", "u1"])
+def test_packed_amplitude_is_unpacked_by_its_attributes(path, content, dtype):
+    formats.write_nsidc(path.with_name("plain"), content)
+    plain = xr.load_dataset(path.with_name("plain"), decode_times=False)
+    lowest_db, span_db = float(plain["amplitude"].min()), float(np.ptp(plain["amplitude"].values))
+    limits = np.iinfo(dtype)
+    # As ncpdq packs: all values of the type but the fill value.
+    packing = {
+        "dtype": dtype,
+        "scale_factor": span_db / (limits.max - limits.min - 1),
+        "_FillValue": limits.min,
+    }
+    packing["add_offset"] = lowest_db - (limits.min + 1) * packing["scale_factor"]
+    amplitude = plain["amplitude"].where(plain["fasttime"] > plain["fasttime"][3])
+    packed = plain.assign(amplitude=amplitude)
+    packed.to_netcdf(path, encoding={"amplitude": packing})
+    power_db = to_db(read_echogram(path)["Data"].values)
+    assert np.isnan(power_db[:4]).all()
+    # Half a step of the code, and float32 decibels.
+    expected_db = to_db(content["Data"])[4:]
+    assert_allclose(power_db[4:], expected_db, atol=packing["scale_factor"] / 2 + 1e-4)
+
+
+def test_a_fill_value_that_no_attribute_tells_hides_nothing(path, content):
+    formats.write_nsidc(path, content, drop=("altitude",))
+    with netCDF4.Dataset(path, "r+") as file:
+        altitude = file.createVariable("altitude", "i2", ("time",), fill_value=False)
+        altitude[:] = netCDF4.default_fillvals["i2"]
+    assert (read_echogram(path)["Elevation"] == netCDF4.default_fillvals["i2"]).all()
+
+
+def set_units(path, name, units, values=None):
+    with netCDF4.Dataset(path, "r+") as file:
+        file[name].units = units
+        if values is not None:
+            file[name][:] = values
+
+
+SINCE = {
+    "seconds since 2012-03-30 00:00:00 UTC": 1,
+    "seconds since 2012-3-30 0:0:0": 1,
+    "seconds since 2012-03-30T00:00:00Z": 1,
+    "nanoseconds since 2012-03-30 00:00:00": 1e9,
+    "days since 2012-03-30": 1 / 86400,
+}
+
+
+@pytest.mark.parametrize(("units", "per_second"), SINCE.items())
+def test_units_of_time_that_cf_allows_are_read(path, content, units, per_second):
+    formats.write_nsidc(path, content)
+    seconds = content["GPS_time"] - formats.GPS_START
+    set_units(path, "time", units, seconds * per_second)
+    late = read_echogram(path)["slow_time"].values - formats.slow_time(content["GPS_time"])
+    # Doubles of days lie 1e-12 days apart at worst.
+    assert (np.abs(late) < np.timedelta64(1, "us")).all()
+
+
+@pytest.mark.parametrize("write", [formats.write_nsidc, WRITERS["opr"]], ids=["nsidc", "opr"])
+def test_units_of_time_that_nobody_knows_are_named_with_their_variable(path, content, write):
+    name = "time" if write is formats.write_nsidc else "slow_time"
+    write(path, content)
+    set_units(path, name, "moons since 2012-03-30")
+    refused(read_echogram, path, f"{name}: expected units of time .*, found 'moons since")

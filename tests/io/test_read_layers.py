@@ -105,6 +105,21 @@ def test_old_files_hold_picks_in_the_second_value(path, write, names):
     assert_array_equal(layers["type"][:, :2], [[1, 2], [1, 2]])
 
 
+@pytest.mark.parametrize("form", ["new", "old", "opr"])
+def test_zero_is_no_travel_time_in_layers_of_any_format(path, form):
+    surface, below = SURFACE.copy(), KOENIG_2.copy()
+    surface[5:9] = below[20:] = 0
+    names = ["surface", "Koenig_2"]
+    if form == "new":
+        write_with_organizer(path, [surface, below], names)
+    elif form == "old":
+        scipy.io.savemat(path, formats.old_layer_content([surface, below], GPS_TIME, names))
+    else:
+        formats.opr_layers([surface, below], GPS_TIME, names).to_netcdf(path)
+    twtt = read_layers(path)["twtt"].values
+    assert_array_equal(twtt, np.where(np.array([surface, below]) == 0, np.nan, [SURFACE, KOENIG_2]))
+
+
 @pytest.mark.parametrize("names", [None, ["Koenig_2", "surface"]])
 def test_open_polar_radar_layers_read_back(path, names):
     rows = [KOENIG_2, SURFACE] if names else [SURFACE, KOENIG_2]
