@@ -1,7 +1,13 @@
 """The conditional GAN, pix2pix: layer masks to echograms."""
 
-from snowsim.cgan.render import render, trained_generator
-from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
+from snowsim.cgan.train import (
+    Training,
+    least_bytes,
+    networks_of,
+    render,
+    train_steps,
+    trained_generator,
+)
 from snowsim.settings.cgan import Settings
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Training of the conditional GAN, resumable to the byte."""
+"""Training of the conditional GAN, resumable to the byte, and rendering by a trained generator."""
 
 from functools import lru_cache
 
@@ -7,7 +7,7 @@ import torch
 from snowsim.cgan import measured, pix2pix
 from snowsim.cgan.networks import LOSSES, initialise
 from snowsim.limits import check_count
-from snowsim.patches import draw_index
+from snowsim.patches import draw_index, from_signed
 from snowsim.seeding import random_stream
 from snowsim.training import (
     Step,
@@ -130,3 +130,41 @@ def train_steps(training, scenes, *, n_workers=0):
         return step(batch)
 
     yield from taken(training, batch_at, take, LOSSES, n_workers=n_workers)
+
+
+def render(generator, scene, settings, *, rng):
+    """Echogram of the layers of a `Scene`, uint8, (range_bin, range_line), of any size.
+
+    The whole is rendered at once, by `pix2pix` at the size of its crops. It does not depend on
+    which others are rendered, in what order or by how many processes.
+
+    Parameters
+    ----------
+    generator : torch.nn.Module
+        Of `trained_generator`.
+    scene : Scene
+        Its echoes tell how bright layers and snow are; `pix2pix` needs none. ValueError if its mask
+        holds no layer, or if it lacks them.
+    settings : Settings
+        Those it was trained with. FloatingPointError if a pixel is not finite.
+    rng : numpy.random.Generator
+        All noise is drawn from it.
+    """
+    mask = scene.mask()
+    if not mask.any():
+        msg = f"scene {scene.name}: mask without layers, "
+        msg += f"expected at least one annotated pixel in {mask.shape}"
+        raise ValueError(msg)
+    generator.eval()
+    image = RECIPES[settings.method].render_image(generator, scene, settings, rng=rng)
+    if not torch.isfinite(image).all():
+        msg = "generator renders values that are not finite: its training diverged"
+        raise FloatingPointError(msg)
+    return from_signed(image.clamp(-1, 1)[None, None])[0]
+
+
+def trained_generator(weights, settings, *, device="cpu"):
+    """Generator for `render`, of weights (dict of arrays) and the `Settings` of their training."""
+    generator, _ = networks_of(settings)
+    generator = load_weights(generator, weights, "generator")
+    return generator.to(device=device, memory_format=torch.channels_last).eval()

@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Kind
-from snowsim.labels.dress import background_below, dress
-from snowsim.labels.flight_values import values_of
+from snowsim.labels.dressing import background_below, dress, values_of
 from snowsim.labels.undulations import draw_stationary, lags_on_circle
 
 NEPERS = np.log(10) / 10  # per dB

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
-from snowsim.labels.flight_values import values_of
+from snowsim.labels.dressing import values_of
 from snowsim.labels.powers import PowerModel, add_echoes, power_model
 from snowsim.labels.undulations import (
     MINIMUM_THICKNESS_BINS,
@@ -33,7 +33,6 @@ SURFACE = (
     "surface_movement_bins",
     "surface_movement_length_m",
 )
-TINY = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +88,7 @@ class LabelModel:
     def _slow(self, deviation, length_m, *, rng):
         """Gaussian series (range_line,) of a deviation and of Gaussian correlation."""
         lag = lags_on_circle(self.n_range_lines, length_m / self.spacing_m)
-        falls = np.exp(-((lag * self.spacing_m / max(length_m, TINY)) ** 2))
+        falls = np.exp(-((lag * self.spacing_m / max(length_m, 1e-100)) ** 2))
         return draw_stationary(deviation**2 * falls[None], self.n_range_lines, rng=rng)[0]
 
 

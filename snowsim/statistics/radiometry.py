@@ -13,9 +13,8 @@ from scipy.special import polygamma
 from snowsim.constants import BLOCK_LINES
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.deblend import BACKGROUND_RISE
-from snowsim.statistics.moments import DB, decibels, known_mean
-from snowsim.statistics.speckle import fading, fading_products
-from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, numbered, rows_from
+from snowsim.statistics.speckle import DB, decibels, fading, fading_products
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, known_mean, numbered, rows_from
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
 FEWEST_GAINS = 20  # groups needed to estimate gain from line to line

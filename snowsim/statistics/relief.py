@@ -1,4 +1,4 @@
-"""How layers change along track: the relief of each by itself, and the change of the slabs.
+"""How layers change along track: relief of each by itself, change of slabs, the surface's row.
 
 Let S_n(h) be the mean square change, over a distance h, of the distance between layers k and
 k + n. Layers that undulate by themselves about slabs that change by themselves have ``S_n(h) =
@@ -12,12 +12,17 @@ the mean over `MEAN_LINES` takes from the change over as few lines, most where l
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from snowsim.statistics.summaries import in_blocks, known_mean
+
 LAGS = 2 ** np.arange(8)  # [range lines]
-# [range lines] Layers are averaged, as picks are whole bins and stray: of planted layers in whole
-# bins .7 to 1.1 of their change over 4 to 64 lines comes back, without averaging .6 to .9.
+# [range lines] Layers are averaged, as picks are whole bins and stray: of smooth planted layers in
+# whole bins .7 to 1.1 of their change over 4 to 64 lines comes back, without averaging .6 to .9; of
+# rough ones .4 to .8 over 4 lines, .1 to .5 over one.
 MEAN_LINES = 5
 MOST_APART = 6  # layers
-MINIMUM_BLOCKS = 4  # in which a distance is known over a lag
+# Blocks in which a distance is known over a lag, or the mean of a slab. With fewer a variance has a
+# standard error of its own size: a zone is pooled with the others.
+MINIMUM_BLOCKS = 4
 STILL = 0.1  # root of a change [bins]: picks in whole bins that did not move
 TELLING = (1, 6)  # of layers two apart over 64 lines: a zone without has too few data
 KILOMETRE = 1000.0
@@ -29,6 +34,10 @@ SLAB_EXPONENTS = np.arange(2, 40) / 20
 LENGTHS = 2 ** np.arange(-1, 11.01, 0.125)
 ALIKE = 1e-6  # keeps shapes apart that the data hardly tell apart
 TINY = 1e-100
+# Share of the steps that whole-bin levelling makes, above which a product is taken to do so.
+LEVELLED_SHARE = 0.5
+LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
+ERROR_LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)  # [range lines] of the slow error
 
 
 def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
@@ -81,7 +90,7 @@ def fit_relief(change, lag_m):
     """
     apart, at = np.nonzero(change > 0)
     measured = change[apart, at]
-    length_m = lag_m[0] * LENGTHS
+    length_m = lag_m[0] * ERROR_LENGTHS
     away = lag_m[at] / length_m[:, None, None]
     relief = 4 * (1 - np.exp(-(away ** EXPONENTS[:, None]))) / measured
     slab = (lag_m[at] / KILOMETRE) ** SLAB_EXPONENTS[:, None] / measured
@@ -106,3 +115,57 @@ def fit_relief(change, lag_m):
         "slab_change_bins2": slab_change[i, j, k],
         "slab_exponent": SLAB_EXPONENTS[k],
     }
+
+
+def surface_statistics(summary):
+    """Four numbers of the surface's row, name to (dimensions, values).
+
+    A product levels the aircraft's height m in whole bins, which leaves ``m - round(m)``; a slow
+    error comes on top, of standard deviation `surface_error_bins` and Gaussian correlation
+    ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. change of m from
+    one range line to the next, and this change has a Gaussian correlation, too, of
+    `surface_movement_length_m`; both are 0 where a product does not level in whole bins. The error
+    is that of least squares of relative residuals; its length is one of `ERROR_LENGTHS`.
+    """
+    rows = in_blocks(summary, "surface_bins")
+    movement, n_lines = _movement(rows[np.isfinite(rows).all(axis=1)])
+    spacing_m = np.median(summary["line_spacing_m"])
+    change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in LAGS])
+    told = change > 0
+    shape = 2 * (1 - np.exp(-((LAGS[told] / ERROR_LENGTHS[:, None]) ** 2))) / change[told]
+    target = 1 - LEVELLED_CHANGE * (movement > 0) / change[told]
+    square = np.maximum((shape**2).sum(axis=1), TINY)
+    variance = np.maximum((shape * target).sum(axis=1), 0) / square
+    best = (variance**2 * square).argmax()
+    return {
+        "surface_error_bins": ((), np.sqrt(variance[best])),
+        "surface_error_length_m": ((), ERROR_LENGTHS[best] * spacing_m),
+        "surface_movement_bins": ((), movement),
+        "surface_movement_length_m": ((), n_lines * spacing_m),
+    }
+
+
+def _movement(rows):
+    """R.m.s. movement between range lines that was levelled in whole bins, and its length [lines].
+
+    Zeros if none was. Movement changes by less than half a bin per line: it is that of the row
+    (block, range_line) less whole bins, and rounding such a height makes as many steps. Its length
+    is where its autocorrelation falls to 1/e.
+    """
+    step = np.diff(rows, axis=1)
+    if step.size == 0:
+        return 0.0, 0
+    first = step[:, :1] - np.rint(step[:, :1])
+    bend = np.diff(step, axis=1)
+    change = np.cumsum(bend - np.rint(bend), axis=1)
+    movement = np.concatenate([first, first + change], axis=1)
+    # Moving every line by whole bins does not change the fraction.
+    movement -= np.rint(movement.mean(axis=1, keepdims=True))
+    n_steps = np.abs(np.rint(step - movement)).sum()
+    rms = np.sqrt((movement**2).mean())
+    if n_steps <= LEVELLED_SHARE * np.sqrt(2 / np.pi) * rms * movement.size:
+        return 0.0, 0
+    for lag in range(1, movement.shape[1]):
+        if (movement[:, lag:] * movement[:, :-lag]).mean() * np.e < rms**2:
+            break
+    return rms, lag

@@ -10,9 +10,18 @@ from scipy.special import betaincinv
 from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
 from snowsim.seeding import rounded
-from snowsim.statistics.moments import TO_THE_LAST_DIGITS, decibels, known_mean
-from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, numbered
+from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, known_mean, numbered
 
+DB = 10 / np.log(10)  # decibels in one neper of power
+# Options of least squares, so that fits end where processors agree to 1e-11: complex steps have no
+# error of differences, and a dogbox reaches a bound.
+TO_THE_LAST_DIGITS = {
+    "method": "dogbox",
+    "jac": "cs",
+    "ftol": 1e-15,
+    "xtol": 1e-15,
+    "gtol": 1e-15,
+}
 MOST_LOOKS = 1e6  # stands for power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
 MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they give a correlation to 0.01
@@ -20,11 +29,16 @@ TAIL = np.array([0.001, 0.002, 0.005])
 QUANTILES = np.concatenate([TAIL, np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
-# Of power on a pick that must be the layer's own, or noise and tails hide its fading.
-LEAST_SHARE = 0.5
+# Share of power on a pick that must be the layer's own, or noise and tails hide its fading.
+OWN_SHARE = 0.5
 # Of autocovariance of power in dB, which is extrapolated from one line and more to zero.
 FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
 FEWEST_BLOCKS = 4
+
+
+def decibels(power):
+    """Power in dB, NaN where it is not positive."""
+    return DB * np.log(np.where(power > 0, power, np.nan))
 
 
 def looks(summary):
@@ -122,14 +136,14 @@ def fading_products(summary, powers):
 
     From tracked power in whole blocks, about its mean, and powers (group, layer) above noise and
     neighbours. Noise and tails do not fade with a layer: blocks in which it has less than
-    `LEAST_SHARE` of the power on its picks are left out; in the others, products at lags of one and
+    `OWN_SHARE` of the power on its picks are left out; in the others, products at lags of one and
     more are divided by the square of that share.
     """
     tracked = in_blocks(summary, "tracked_power").swapaxes(1, 2)
     known = tracked > 0
     own = known_mean(powers[_groups_of_blocks(summary)], axis=1)
     share = own / known_mean(np.where(known, tracked, np.nan), axis=2)
-    clear = (share >= LEAST_SHARE) & (2 * known.sum(axis=2) >= BLOCK_LINES)
+    clear = (share >= OWN_SHARE) & (2 * known.sum(axis=2) >= BLOCK_LINES)
     power_db = decibels(tracked[clear])
     deviation = np.nan_to_num(power_db - known_mean(power_db, axis=1)[:, None])
     products = _by_lag(deviation)

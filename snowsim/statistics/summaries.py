@@ -9,9 +9,15 @@ import pandas as pd
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.echogram import (
+    along_track_m,
+    bin_size_s,
+    check_echogram,
+    check_layers,
+    layer_bins_of,
+    own_surface_bins,
+)
 from snowsim.limits import check_content, check_count
-from snowsim.statistics.moments import known_mean
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
@@ -26,6 +32,9 @@ SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 CONTENT = "snowsim flight summary 6"
+LEAST_AIR_BINS = 32
+# Of skewness over coefficient of variation, between amplitude and power.
+LEAST_OF_POWER = 1.4
 
 
 def summarise(echogram, layers, where="frame"):
@@ -239,3 +248,35 @@ def in_stretches(summary, name, n_lines, n_whole):
 def in_blocks(summary, name):
     """A variable of range lines in whole blocks of all frames, (block, range_line, ...)."""
     return in_stretches(summary, name, BLOCK_LINES, summary["n_lines"].values // BLOCK_LINES)
+
+
+def known_mean(values, axis=None):
+    """Mean of the known values, NaN where there is none."""
+    known = np.isfinite(values)
+    n = known.sum(axis=axis)
+    total = np.where(known, values, 0).sum(axis=axis)
+    return np.where(n > 0, total / np.maximum(n, 1), np.nan)
+
+
+def looks_like_amplitude(echogram, layers):
+    """Whether noise above the surface is skewed as amplitude is, and enough of it is there to tell.
+
+    Skewness over coefficient of variation is 2 for power of any number of looks, more for means of
+    it with unequal weights and for mixtures; 1.2 for the amplitude of one look, 1 for that of many.
+    """
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    # Layer 0 may be another layer.
+    surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], own_surface_bins(echogram))
+    if not np.isfinite(surface_bins).any():
+        return False
+    air = power[: max(int(np.nanmin(surface_bins)) - AIR_MARGIN_BINS, 0)]
+    air = air[:, (air > 0).all(axis=0)].astype(float)
+    if len(air) < LEAST_AIR_BINS or air.size == 0:
+        return False
+    relative = air / air.mean(axis=0) - 1
+    deviation = relative.std()
+    skewness_error = np.sqrt(6 / relative.size)
+    if deviation < 6 * skewness_error:
+        return False
+    skewness = (relative**3).mean() / deviation**3
+    return skewness < LEAST_OF_POWER * deviation

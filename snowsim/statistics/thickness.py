@@ -11,15 +11,11 @@ import pandas as pd
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import zone_of
 from snowsim.limits import check_count
-from snowsim.statistics.moments import known_mean
-from snowsim.statistics.relief import relief_by_zone
-from snowsim.statistics.spectrum import thickness_spectra
-from snowsim.statistics.summaries import in_blocks
-from snowsim.statistics.surface import surface_statistics
+from snowsim.statistics.paper import thickness_spectra
+from snowsim.statistics.relief import MINIMUM_BLOCKS, relief_by_zone, surface_statistics
+from snowsim.statistics.summaries import in_blocks, known_mean
 
 N_ZONES = 4
-# With fewer a variance has a standard error of its own size: the zone is pooled with the others.
-MINIMUM_BLOCKS = 4
 N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness

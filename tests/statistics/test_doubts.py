@@ -8,7 +8,7 @@ import xarray as xr
 
 from reference import checked_settings, draw_climate, draw_frame
 from snowsim.statistics import fit
-from snowsim.statistics.doubts import looks_like_amplitude
+from snowsim.statistics.summaries import looks_like_amplitude
 
 
 @pytest.fixture(scope="module")

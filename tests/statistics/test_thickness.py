@@ -9,9 +9,14 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 from snowsim.io.layers import read_cresis_layers
-from snowsim.statistics.relief import LAGS, fit_relief, mean_square_changes, relief_by_zone
-from snowsim.statistics.spectrum import thickness_spectra
-from snowsim.statistics.surface import surface_statistics
+from snowsim.statistics.paper import thickness_spectra
+from snowsim.statistics.relief import (
+    LAGS,
+    fit_relief,
+    mean_square_changes,
+    relief_by_zone,
+    surface_statistics,
+)
 from snowsim.statistics.thickness import (
     Blocks,
     block_levels,

@@ -10,7 +10,7 @@ from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.labels import draw, draw_scene, dress, prepare
 from snowsim.statistics import Ranges, Variation, changed, varied
-from snowsim.statistics.varied import LOG_UNIFORM, OF_PULSE_LENGTH, OF_THICKNESS
+from snowsim.statistics.variation import LOG_UNIFORM, OF_PULSE_LENGTH, OF_THICKNESS
 
 # Statistics that some variation changes, and attributes.
 CHANGES = {*OF_THICKNESS, *OF_PULSE_LENGTH, "noise_power", "background_power"}

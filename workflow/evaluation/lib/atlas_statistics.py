@@ -15,8 +15,8 @@ from lib.placeholder_frames import placeholder_frame
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.phy import mean_power
 from snowsim.phy.waveform import waveform_width
-from snowsim.statistics.estimate import ESTIMATORS, estimate
-from snowsim.statistics.summaries import GROUP_LINES, merge, summarise
+from snowsim.statistics import ESTIMATORS, estimate, merge, summarise
+from snowsim.statistics.summaries import GROUP_LINES
 
 PEAK_POWER = np.array([1.0, 0.3, 0.2, 0.15, 0.1])  # above the noise, by layer
 VARIANCE_BINS2 = 12.5  # of the Gaussian of all layers
