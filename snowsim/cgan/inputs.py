@@ -78,7 +78,7 @@ def known_map(image, layer_bins, of_snow):
 def inputs_of(known):
     """Inputs of the networks (patch, channel, range_bin, range_line), and each pixel's slab.
 
-    Of maps of `known_map`, (patch, range_bin, range_line, channel); the slab is the number of
+    From maps of `known_map`, (patch, range_bin, range_line, channel); the slab is the number of
     layers above, (patch, range_bin, range_line).
     """
     inputs = torch.from_numpy(known[..., 1:]).permute(0, 3, 1, 2)

@@ -25,7 +25,7 @@ from snowsim.training import arithmetic
 class Generator(nn.Module):
     """U-Net from `inputs_of` to images, (patch, 1, range_bin, range_line) in [-1, 1].
 
-    Of images of any size: inputs, layers first, are continued to a multiple of ``2**depth``,
+    Images may have any size: inputs, layers first, are continued to a multiple of ``2**depth``,
     downwards without layers and sideways with the last range line, and the output cut back.
     Features are normalised over the channels of each pixel: an image depends on what is within ``3
     * 2**depth`` pixels alone. Inputs have a random level for each slab, and images are doubled

@@ -141,7 +141,7 @@ def render(generator, scene, settings, *, rng):
     Parameters
     ----------
     generator : torch.nn.Module
-        Of `trained_generator`.
+        A generator of `trained_generator`.
     scene : Scene
         Its echoes tell how bright layers and snow are; `pix2pix` needs none. ValueError if its mask
         holds no layer, or if it lacks them.

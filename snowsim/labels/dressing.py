@@ -58,7 +58,7 @@ def dress(layer_bins, statistics):
     layer_bins : ndarray, (layer, range_line)
         Range bins, row 0 the surface; NaN where absent.
     statistics : xarray.Dataset
-        Of `snowsim.statistics.fit`.
+        Statistics as from `snowsim.statistics.fit`.
 
     Returns
     -------

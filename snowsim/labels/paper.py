@@ -11,7 +11,7 @@ from snowsim.limits import check_count, check_statistics
 
 LAYERS = (5, 40)  # fewest and most below the surface
 N_LOOKS = 100.0
-# Of every layer's Gaussian [bins^2]: bounds that section III measures as 1/e widths.
+# Bounds of every layer's Gaussian [bins^2], which section III measures as 1/e widths.
 VARIANCE_BINS2 = (10.0, 15.0)
 
 

@@ -98,7 +98,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     Parameters
     ----------
     statistics : xarray.Dataset
-        Of `snowsim.statistics.fit`.
+        Statistics as from `snowsim.statistics.fit`.
     n_range_lines : int
     nonstationary : Nonstationary, optional
         Trends and folds of the layers; by default none.
@@ -144,7 +144,7 @@ def draw(statistics, n_range_lines, *, rng):
     Parameters
     ----------
     statistics : xarray.Dataset or LabelModel
-        Of `snowsim.statistics.fit`, or of `prepare` when many scenes are drawn.
+        Statistics of `snowsim.statistics.fit`, or what `prepare` makes of them for many scenes.
     n_range_lines : int
     rng : int or numpy.random.Generator
         Seed or generator.

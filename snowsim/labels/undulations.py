@@ -90,7 +90,7 @@ class Nonstationary:
     picks resolve.
     """
 
-    # Of the change of mean thickness from the first line of a scene to its last, over the mean.
+    # Standard deviation of the change of mean thickness over a scene, relative to the mean.
     trend_sd: float = 0.0
     fold_sd_bins: float = 0.0  # of the amplitude of the deepest layer's fold
     fold_length_lines: float = 64.0  # wavelength of folds

@@ -127,7 +127,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Parameters
     ----------
     summary : xarray.Dataset
-        Of `merge`.
+        A summary as from `merge`.
     estimator : {"deblended", "paper"}
     zone_edge_bins : array_like, (edge,), optional
         Zones to use instead of the flight's own quartiles, to compare two flights zone by zone.

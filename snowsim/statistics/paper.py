@@ -50,7 +50,7 @@ def paper_waveform(tracked_power, decay, width):
 def measure_groups(groups):
     """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
 
-    Of every layer in every averaged line of `Groups`. Yari et al. (2021), eq. (2): ``alpha =
+    Every layer in every averaged line of `Groups` has one. Yari et al. (2021), eq. (2): ``alpha =
     -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value within
     `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next
     layer; NaN where either layer is absent or no minimum lies between. The 1/e crossing is

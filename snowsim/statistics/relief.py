@@ -30,7 +30,7 @@ KILOMETRE = 1000.0
 ROOTS = 0.457
 EXPONENTS = np.arange(25, 101) / 50  # of relief
 SLAB_EXPONENTS = np.arange(2, 40) / 20
-# Of relief, of the shortest lag: from half of it to 16 times the longest.
+# Lengths of relief, in shortest lags: from half of it to 16 times the longest.
 LENGTHS = 2 ** np.arange(-1, 11.01, 0.125)
 ALIKE = 1e-6  # keeps shapes apart that the data hardly tell apart
 TINY = 1e-100
@@ -60,11 +60,12 @@ def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
 def mean_square_changes(depth_bins):
     """S_n(h) at `LAGS`, (apart, lag), NaN where it is not known.
 
-    Of layers (block, layer, range_line), between lines without a gap of picks: behind a gap, a few
-    in a hundred follow another layer. Robustly, as errors of picks have heavier tails than layers
-    (Cressie & Hawkins 1980, Math. Geol. 12, 115, for many pairs). Not known where fewer than
-    `MINIMUM_BLOCKS` blocks tell, or where two thirds of distances do not change, as of picks in
-    whole bins; below that, rounded layers give .6 to 1.2 of what they change by.
+    Layers are (block, layer, range_line). Changes are between lines without a gap of picks: behind
+    a gap, a few in a hundred follow another layer. The estimate is robust, as errors of picks have
+    heavier tails than layers (Cressie & Hawkins 1980, Math. Geol. 12, 115, for many pairs). A
+    change is not known where fewer than `MINIMUM_BLOCKS` blocks tell, or where two thirds of
+    distances do not change, as of picks in whole bins; below that, rounded layers give .6 to 1.2 of
+    what they change by.
     """
     change = np.full((MOST_APART, LAGS.size), np.nan)
     for apart in range(1, min(MOST_APART + 1, depth_bins.shape[1])):

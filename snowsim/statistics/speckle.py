@@ -31,7 +31,7 @@ SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
 # Share of power on a pick that must be the layer's own, or noise and tails hide its fading.
 OWN_SHARE = 0.5
-# Of autocovariance of power in dB, which is extrapolated from one line and more to zero.
+# Lags of the autocovariance of power in dB, which is extrapolated from one line and more to zero.
 FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
 FEWEST_BLOCKS = 4
 
@@ -175,7 +175,7 @@ def _by_lag(series):
 def fading(total, n, speckle):
     """Standard deviation [dB], 1/e length [lines] and exponent of fading, (3,), or NaN.
 
-    Of one kind of interface, from sums of products, and of pairs, by lag (lag,). ``C(h) = s^2
+    One kind of interface, from sums of products, and of pairs, by lag (lag,). ``C(h) = s^2
     exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at
     lag h twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over
     all n lines of a block. The excess at lag 0 is `speckle` [dB^2].

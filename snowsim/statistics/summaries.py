@@ -21,11 +21,11 @@ from snowsim.limits import check_content, check_count
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
-# Of a group's picks of a layer, sorted by depth: the rows that a sloping layer covers.
+# Parts of a group's picks of a layer, sorted by depth: the rows that a sloping layer covers.
 PARTS = 2
 # Bins above the surface that still hold its rise: 8 standard deviations at a variance of 15.
 AIR_MARGIN_BINS = 30
-# Of products down range, from 0; the last give what lines share beyond the range response.
+# Lags of products down range, from 0; the last give what lines share beyond the range response.
 AIR_LAGS = 13
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
@@ -33,7 +33,7 @@ OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 CONTENT = "snowsim flight summary 6"
 LEAST_AIR_BINS = 32
-# Of skewness over coefficient of variation, between amplitude and power.
+# Limit of skewness over coefficient of variation, between amplitude and power.
 LEAST_OF_POWER = 1.4
 
 
@@ -237,7 +237,7 @@ def numbered(of_frame):
 def in_stretches(summary, name, n_lines, n_whole):
     """A variable of range lines in stretches of so many, `n_whole` of each frame.
 
-    Of shape (stretch, range_line, ...); float64.
+    The shape is (stretch, range_line, ...), in float64.
     """
     of_frame = summary["n_lines"].values
     within = numbered(of_frame) < np.repeat(n_whole * n_lines, of_frame)

@@ -19,7 +19,7 @@ OF_THICKNESS = {
     "thickness_psd": 2,
     "further_spacing_bins": 1,
 }
-# Of these, each estimator has its own.
+# Each estimator has one or two of these alone.
 OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd")
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
@@ -131,7 +131,7 @@ def varied(statistics, *, rng, ranges=None):
     Parameters
     ----------
     statistics : xarray.Dataset
-        Of `fit`.
+        Statistics as from `fit`.
     rng : int or numpy.random.Generator
     ranges : Ranges, optional
 
