@@ -27,8 +27,8 @@ FILES = {
 # Trains in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, lib.cgan_training as module
-def steps_shown(*arguments, steps=module.train_steps):
-    for step, losses in steps(*arguments):
+def steps_shown(*arguments, steps=module.train_steps, **options):
+    for step, losses in steps(*arguments, **options):
         print(step, flush=True)
         yield step, losses
 module.train_steps = steps_shown

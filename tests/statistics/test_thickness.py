@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
-from snowsim.io.layers import read_cresis_layers
+from snowsim.io import read_layers
 from snowsim.statistics.paper import thickness_spectra
 from snowsim.statistics.relief import (
     LAGS,
@@ -280,9 +280,7 @@ def horizons(shared_data):
 def surface_and_bottom(shared_data):
     """Ice between surface and bottom, picked by people and trackers in CReSIS frames, in ns."""
     paths = sorted((shared_data / "cresis_layers/20181030_01").glob("Data_*.mat"))
-    return 1e9 * np.concatenate(
-        [blocks_of(read_cresis_layers(path)["twtt"].values[:2]) for path in paths]
-    )
+    return 1e9 * np.concatenate([blocks_of(read_layers(path)["twtt"].values[:2]) for path in paths])
 
 
 @pytest.mark.parametrize("read", [horizons, surface_and_bottom])
