@@ -1,7 +1,6 @@
 """Pieces put in order, downwards, and those that are one layer joined."""
 
 import heapq
-from graphlib import TopologicalSorter
 
 import numpy as np
 
@@ -137,18 +136,25 @@ def _whole(pieces, chosen):
 
 
 def _order(whole, layer, below):
-    """Numbers of layers downwards; where that leaves the order open, by their mean row."""
-    sorter = TopologicalSorter({number: () for number in whole})
-    for upper in whole:
-        for lower in {layer[n] for n in below[upper]}:
-            sorter.add(lower, upper)
-    sorter.prepare()
-    ready = []
+    """Numbers of layers downwards; where that leaves the order open, by their mean row.
+
+    Two that cross, on lines where one has no pick, lie below each other: of these and those beneath
+    them the next is the one of the least mean row.
+    """
+    beneath = {number: {layer[n] for n in below[number]} for number in whole}
+    n_above = dict.fromkeys(whole, 0)
+    for number in (n for each in beneath.values() for n in each):
+        n_above[number] += 1
+    waiting = {number: whole[number].row.mean() for number in whole}
+    ready = [(row, number) for number, row in waiting.items() if n_above[number] == 0]
+    heapq.heapify(ready)
     order = []
-    while sorter.is_active():
-        for number in sorter.get_ready():
-            heapq.heappush(ready, (whole[number].row.mean(), number))
-        _, number = heapq.heappop(ready)
+    while waiting:
+        number = heapq.heappop(ready)[1] if ready else min(waiting, key=waiting.get)
+        del waiting[number]
         order.append(number)
-        sorter.done(number)
+        for n in beneath[number] & waiting.keys():
+            n_above[n] -= 1
+            if n_above[n] == 0:
+                heapq.heappush(ready, (waiting[n], n))
     return order

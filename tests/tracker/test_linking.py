@@ -101,6 +101,15 @@ def test_pieces_join_where_the_layers_beside_them_foretell_it_and_not_elsewhere(
     assert len(join([above, left, off, beneath])) == 4
 
 
+def test_pieces_that_cross_where_one_has_no_pick_are_all_kept():
+    level = piece_of(0, 300, 50)
+    dips = Piece(np.arange(300), np.where(np.arange(300) < 100, 46.0, 56.0), np.ones(300))
+    # Where it begins, the one that dips has come to lie beneath the level one.
+    begins = piece_of(150, 300, 70)
+    found = join([begins, dips, level])
+    assert [piece.row.mean() for piece in found] == [50, dips.row.mean(), 70]
+
+
 def test_no_layer_is_joined_across_another():
     left = piece_of(0, 100, 52)
     right = piece_of(120, 300, 52)
