@@ -134,14 +134,8 @@ def test_damaged_files_give_one_line_or_values_but_for_those_hit(tmp_path, rng, 
 @pytest.mark.parametrize("n_stores", [20, pytest.param(300, marks=pytest.mark.slow)])
 def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
     sound = tmp_path / "echogram-sound"
-<<<<<<< HEAD
     frame = formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12))
     frame.to_zarr(sound, consolidated=False)
-=======
-    formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(
-        sound, consolidated=False
-    )
->>>>>>> 876b0831 (GPS time of xopr becomes UTC, attributes of CF are applied, zero is no travel time of a layer)
     for number in range(n_stores):
         store = shutil.copytree(sound, tmp_path / f"echogram-zarr-{number:04d}")
         files = [path for path in sorted(store.rglob("*")) if path.is_file()]
