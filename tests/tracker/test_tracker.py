@@ -322,7 +322,7 @@ def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": "snowsim tracker 2"}, "expected a card of format 'snowsim tracker 1'"),
+        ({"format": "snowsim tracker 2"}, "expected one of format 'snowsim tracker 1'"),
         ({"bin_s": "long"}, "bin_s must be finite, .* got 'long'"),
         ({"threshold": 1.5}, "threshold must be finite, at least 1e-06, at most 0.999999, got 1.5"),
         ({"ranges": {"bin_s": ["a", "b"]}}, "range of bin_s must be finite, got 'a'"),
@@ -341,7 +341,7 @@ def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, 
     ("card", "message"),
     [
         ("{", "card: expected JSON"),
-        ("[]", r"expected a card of format 'snowsim tracker 1', got \[\]"),
+        ("[]", r"expected one of format 'snowsim tracker 1', found \[\]"),
         (None, "card: expected JSON, found FileNotFoundError"),
     ],
 )
