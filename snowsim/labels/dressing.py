@@ -113,9 +113,10 @@ def background_below(echoes, depth_bins):
 
 
 def redress(scene, statistics):
-    """Echoes of a scene with the waveforms and the radar of other statistics.
+    """Replace the waveforms and the radar in a scene's echoes by those of other statistics.
 
-    Positions, powers and noise stay as the scene was drawn; a scene without echoes is dressed.
+    Returns `Echoes`. Positions, powers and noise stay as the scene was drawn; a scene without
+    echoes gets those of `dress`.
     """
     drawn = scene.echoes
     if drawn is None:
