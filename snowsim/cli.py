@@ -500,8 +500,8 @@ def check_outputs(paths, force, *endings):
 @click.option("--bin-s", type=POSITIVE, help="Range bin of images [s], two-way; they tell none.")
 @over_option
 def track(files, folder, **options):
-    """Pick the layers of FILES, echograms or PNG images, with a trained tracker: layer files as
-    CReSIS has them, CSARP_layer/SEGMENT, and NAME_layers.nc with the confidence of every pick.
+    """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker: layer
+    files as CReSIS has them, CSARP_layer/SEGMENT, and NAME_layers.nc with each pick's confidence.
 
     Frames of a segment that follow one another are tracked as one. The tracker was trained on
     synthetic scenes only.

@@ -18,7 +18,7 @@ import xarray as xr
 from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import echogram, read_echogram
 from snowsim.io.echograms import named_frame
-from snowsim.io.files import is_png, refusal
+from snowsim.io.files import library_errors, picture_format, refusal
 from snowsim.io.layers import (
     layer_numbers,
     refuse_existing,
@@ -27,7 +27,7 @@ from snowsim.io.layers import (
     write_layers,
 )
 from snowsim.io.models import read_tracker, shipped_trackers
-from snowsim.io.pairs import read_image
+from snowsim.io.pairs import BLURRED, read_image
 from snowsim.io.pictures import write_picture
 from snowsim.progress import shown
 from snowsim.tracker import (
@@ -272,6 +272,8 @@ def _see(tracker, path, bin_s, seen):
     echogram = _read(path, bin_s)
     if echogram.attrs.get("source_format") == "image":
         evidence = tracker.see(echogram, str(path))
+        if picture_format(path) == "JPEG":
+            evidence.canonical.notes.append(BLURRED)
         if _dark_on_bright(echogram):
             note = "the picture is bright above and below: expected bright layers on a dark ground"
             evidence.canonical.notes.append(note)
@@ -328,7 +330,7 @@ def _outputs(path, folder, png):
 def _check_outputs(path, folder, named, png, force):
     """Refuse files that are there, and frames of a segment beside layer files of others of it."""
     segment, _ = named_frame(path)
-    if segment is not None and path.suffix.lower() != ".png":
+    if segment is not None and picture_format(path) is None:
         refuse_other_frames(folder, segment, named[segment])
     for output in _outputs(path, folder, png):
         if output.exists() and folder.resolve() == path.resolve().parent:
@@ -339,8 +341,8 @@ def _check_outputs(path, folder, named, png, force):
 
 
 def _read(path, bin_s):
-    """Echogram dataset of a file, or of a PNG image with `bin_s`."""
-    if not is_png(path):
+    """Echogram dataset of a file, or of an image with `bin_s`."""
+    if picture_format(path) is None:
         return read_echogram(path)
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
@@ -416,6 +418,7 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
     if frames[0].segment is not None:
         by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
         write_layer_files(folder, frames[0].segment, by_number, force=force)
+    to_draw = []
     for frame, layers in zip(frames, found, strict=True):
         picked = np.isfinite(layers["twtt"].values).any(axis=1)
         picked[0] = True
@@ -428,10 +431,13 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
         else:
             layers = layers.assign_attrs(granule=f"{frame.segment}_{frame.number:03d}")
         write_layers(path, layers, force=force)
-        for picture in pictures:
-            write_picture(picture, layers, [_read(frame.path, bin_s)])
+        to_draw.extend((picture, layers, frame.path) for picture in pictures)
         n_picks = int(np.isfinite(layers["twtt"].values[1:]).sum())
         say(f"{path}: {layers.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
+    # Behind all files: no picture stops them.
+    for picture, layers, path in to_draw:
+        with library_errors(picture, "picture: expected layers that can be drawn"):
+            write_picture(picture, layers, [_read(path, bin_s)])
 
 
 def _apart(before, found):

@@ -17,7 +17,7 @@ import scipy.io
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
-from snowsim.io.files import MAXIMUM_BYTES, library_errors, listed, refusal, write_bytes
+from snowsim.io.files import MAXIMUM_BYTES, PICTURES, library_errors, listed, refusal, write_bytes
 
 SUPPLEMENT_FLAGS = (
     "coh_noise_removal_artifact",
@@ -55,6 +55,15 @@ USER_BLOCK_BYTES = 512  # of MATLAB, in front of HDF5
 MAT_HEADER_BYTES = 128
 TEXT_BYTES = 116  # it begins with; the date that scipy writes there would make bytes differ
 BYTE_ORDERS = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}
+KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
+# What comes in place of data, by how it begins in lower case.
+OTHERS = {
+    **dict.fromkeys((b"<!doctype html", b"<html"), "a web page: is a login needed to download it?"),
+    b"version https://git-lfs": "a git-LFS pointer: git lfs pull brings the file",
+    **{start.lower(): f"a {name} image" for name, start in PICTURES.items()},
+    b"%pdf": "a PDF document",
+    **dict.fromkeys((b"\x1f\x8b", b"pk\x03\x04"), "a packed file: unpack it first"),
+}
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
 # Specification, III.E.
 HEAP = re.compile(b"GCOL\x01")
@@ -87,7 +96,7 @@ class Stored:
 def opened(path):
     """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds; its bytes are read once."""
     path = Path(path)
-    with library_errors(path, "content: expected MAT v5, MAT v7.3, NetCDF or Zarr"):
+    with library_errors(path, f"content: expected {KINDS}"):
         if path.is_dir():
             return _labelled(path, engine="zarr", consolidated=False)
         content = path.read_bytes()
@@ -106,7 +115,11 @@ def opened(path):
             check_heaps(content)
             file = h5py.File(BytesIO(content))
             return Stored(frozenset(file), partial(_read_mat73, file))
-        order = BYTE_ORDERS[content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES]]
+        order = BYTE_ORDERS.get(content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES])
+        if order is None:
+            head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
+            found = next((what for start, what in OTHERS.items() if head.startswith(start)), None)
+            raise refusal(None, "content", KINDS, found or f"{len(content)} other bytes")
         check_elements(content, order, MAT_HEADER_BYTES, len(content))
         file = BytesIO(content)
         shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}

@@ -9,9 +9,9 @@ import xarray as xr
 from snowsim.echogram import bin_size_s
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_netcdf
-from snowsim.io.files import is_png, is_zarr, one_line
+from snowsim.io.files import is_zarr, one_line, picture_format
 from snowsim.io.layers import surface_among
-from snowsim.io.pairs import PairSet, tells_db
+from snowsim.io.pairs import BLURRED, PairSet, tells_db
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
@@ -37,12 +37,14 @@ def describe(path):
         return _said(what, read_netcdf(exported[0]))
     if path.is_dir() and not is_zarr(path):
         return _scenes("a folder of benchmark pairs", PairSet(path))
-    if path.suffix == ".npy" or is_png(path):
+    if path.suffix == ".npy" or picture_format(path):
         _, values = read_array(path)
         image = xr.Dataset({"image": (("range_bin", "range_line"), values)})
         levels = np.unique(values).astype(float)
-        note = f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"
-        return _said("an image or array", image, [note])
+        notes = [f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"]
+        if picture_format(path) == "JPEG":
+            notes.append(BLURRED)
+        return _said("an image or array", image, notes)
     stored = opened(path)
     kind = format_of(path, stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
     what = in_words(kind)

@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
-PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+# How pictures begin.
+PICTURES = {"PNG": b"\x89PNG\r\n\x1a\n", "JPEG": b"\xff\xd8\xff"}
 # A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32,
 # 0.6 GB.
 MAXIMUM_BYTES = 2**30
@@ -71,13 +72,14 @@ def is_zarr(path):
     return any((path / name).is_file() for name in ZARR_FILES)
 
 
-def is_png(path):
-    """Whether a path is a PNG image."""
+def picture_format(path):
+    """Which of `PICTURES` a file is by its content, None for any other path."""
     path = Path(path)
     if not path.is_file():
-        return False
+        return None
     with path.open("rb") as file:
-        return file.read(len(PNG_SIGNATURE)) == PNG_SIGNATURE
+        head = file.read(8)
+    return next((name for name, start in PICTURES.items() if head.startswith(start)), None)
 
 
 # pandas and xarray are imported where they are used: every job starts with this module, and they

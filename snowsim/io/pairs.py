@@ -17,9 +17,9 @@ from PIL.PngImagePlugin import PngInfo
 from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
 from snowsim.io.containers import read_matlab
 from snowsim.io.files import (
-    is_png,
     library_errors,
     listed,
+    picture_format,
     refusal,
     report,
     write_bytes,
@@ -29,6 +29,7 @@ from snowsim.io.files import (
 from snowsim.progress import shown
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
+BLURRED = "a JPEG image: its blocks of 8 pixels blur layers and speckle"
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
 ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
 # As Pillow calls them.
@@ -36,24 +37,25 @@ MODES = {"8-bit grey": ("L",), ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA")}
 
 
 def read_image(path, expected="8-bit grey"):
-    """PNG image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
+    """Image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
 
-    `expected` is one of `MODES`. What is no whole PNG image of such a mode and a bearable size is
-    refused.
+    `expected` is one of `MODES`. What is no whole PNG or JPEG image of such a mode and a bearable
+    size is refused.
     """
+    form = picture_format(path) or "PNG"
     most = f"a whole grey image of at most {MAXIMUM_PIXELS} pixels"
-    with library_errors(path, f"PNG: expected {most}"), warnings.catch_warnings():
+    with library_errors(path, f"{form}: expected {most}"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
-        Image.open(path, formats=["PNG"]).verify()  # checksums: reading does not look at them
-        with Image.open(path, formats=["PNG"]) as file:
+        Image.open(path, formats=[form]).verify()  # checksums: reading does not look at them
+        with Image.open(path, formats=[form]) as file:
             columns, rows = file.size
             if columns * rows > MAXIMUM_PIXELS:
-                raise refusal(path, "PNG", most, f"{rows} rows of {columns}")
+                raise refusal(path, form, most, f"{rows} rows of {columns}")
             values = np.array(file)
-            texts = file.text
+            texts = getattr(file, "text", {})  # of PNG alone
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
-                raise refusal(path, "PNG", expected, f"mode {file.mode}")
+                raise refusal(path, form, expected, f"mode {file.mode}")
         held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
         numbers = {name: kind(texts[name]) for name, kind in held.items()}
     return colours[..., 0], numbers
@@ -181,7 +183,7 @@ def read_pair(path, *, data_scale=None):
     """
     path = Path(path)
     with library_errors(path):
-        image, numbers = read_image(path) if is_png(path) else _mat_image(path, data_scale)
+        image, numbers = read_image(path) if picture_format(path) else _mat_image(path, data_scale)
         label, drawn = pair_labels(path)
     if drawn.shape != image.shape:
         raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)

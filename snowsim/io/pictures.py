@@ -41,8 +41,9 @@ def write_picture(path, layers, echograms=(), accumulated=None):
         power_db = xr.concat(
             [_power_db(each, surface + shown_s) for each in echograms], "slow_time"
         )
-        limits = dict(zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True))
-        _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **limits)
+        if power_db.notnull().any():
+            limits = zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True)
+            _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **dict(limits))
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
     panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is not None:
@@ -68,6 +69,8 @@ def _draw_layers(axes, layers, distance, depth_m):
         first, *_ = axes.plot(distance, of_value.T, color=colour, lw=1)
         first.set_label(name)
     for name, of_layer in zip(layers["layer"].values, depth_m, strict=True):
+        if not np.isfinite(of_layer).any():
+            continue
         last = np.flatnonzero(np.isfinite(of_layer))[-1]
         axes.text(distance[last], of_layer[last], str(name), fontsize=5, color="#56b4e9")
     axes.legend(fontsize="small", ncols=3, loc="lower left")
@@ -87,13 +90,17 @@ def _depths(below, accumulated):
         known = accumulated["depth_at"]
         return known["below_s"].values, known.values
     per_s = SPEED_OF_LIGHT_M_S / (2 * (1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3))
-    times_s = np.array([-SHOWN_ABOVE_S, float(below.max()) + SHOWN_ABOVE_S])
+    times_s = np.array([-SHOWN_ABOVE_S, float(below.fillna(0).max()) + SHOWN_ABOVE_S])
     return times_s, per_s * times_s
 
 
 def _power_db(echogram, twtt):
-    """Power [dB] of a frame at travel times (depth, slow_time) of its lines, NaN beyond it."""
+    """Power [dB] of a frame at travel times (depth, slow_time) of its lines.
+
+    NaN beyond it, and on lines without a surface.
+    """
     at = twtt.sel(slow_time=echogram["slow_time"])
-    power = echogram["Data"].sel(twtt=at, slow_time=at["slow_time"], method="nearest")
-    inside = (at >= echogram["twtt"][0]) & (at <= echogram["twtt"][-1]) & (power > 0)
+    first = echogram["twtt"][0]
+    power = echogram["Data"].sel(twtt=at.fillna(first), slow_time=at["slow_time"], method="nearest")
+    inside = (at >= first) & (at <= echogram["twtt"][-1]) & (power > 0)
     return to_db(power.where(inside))

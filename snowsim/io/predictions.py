@@ -10,7 +10,7 @@ from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import opened, read_netcdf
-from snowsim.io.files import library_errors, listed, refusal
+from snowsim.io.files import library_errors, listed, picture_format, refusal
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
@@ -178,7 +178,7 @@ def read_array(path, names=(), least_rows=1):
     left out.
     """
     name = ""
-    if path.suffix == ".png":
+    if path.suffix == ".png" or picture_format(path):
         values, _ = read_image(path, ANY_GREY)
     elif path.suffix == ".npy":
         with library_errors(path, "NPY: expected a whole array of numbers"):

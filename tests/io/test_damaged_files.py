@@ -205,6 +205,16 @@ def make_heap_endless(path):
 TOO_LARGE = f"expected at most {MAXIMUM_BYTES} bytes, found"
 NO_NUMBERS = "Elevation: expected real numbers"
 NO_DATA = "content: expected MAT v5, MAT v7.3, NetCDF or Zarr, found"
+# What is downloaded in place of data.
+NO_DATA_BUT = {
+    b"\n<!DOCTYPE HTML PUBLIC>\n<title>Earthdata Login</title>": "a web page: is a login needed",
+    b"<html lang='en'>" + bytes(600): "a web page",
+    b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n": "a git-LFS pointer",
+    b"\xff\xd8\xff\xe0" + bytes(600): "a JPEG image",
+    b"\x89PNG\r\n\x1a\n" + bytes(600): "a PNG image",
+    b"%PDF-1.4" + bytes(600): "a PDF document",
+    b"\x1f\x8b\x08" + bytes(600): "a packed file",
+}
 # What no numbers are, in place of elevations.
 NOT_ELEVATIONS = ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))]
 # By format: files made to harm, the reader that meets them, and what it says.
@@ -237,6 +247,14 @@ HARMFUL = {
             (lambda path, _, content=content: path.write_bytes(content), read, NO_DATA)
             for content in (b"", b"\x89HDF\r\n\x1a\n", b"CDF\x01" + bytes(4), b"GIF89a")
             for read in (read_echogram, read_layers)
+        ),
+        *(
+            (
+                lambda path, _, content=content: path.write_bytes(content),
+                read_echogram,
+                f"{NO_DATA} {words}",
+            )
+            for content, words in NO_DATA_BUT.items()
         ),
         (
             lambda path, _: path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\x00\x01IM"),

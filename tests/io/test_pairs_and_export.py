@@ -14,7 +14,9 @@ from numpy.testing import assert_array_equal
 from PIL import Image
 
 from snowsim.echogram import Scene, layer_mask
+from snowsim.io.describe import describe
 from snowsim.io.pairs import (
+    ANY_GREY,
     PairSet,
     export_netcdf,
     export_pairs,
@@ -216,3 +218,16 @@ def test_real_echograms_are_read_and_real_masks_that_are_inverted_or_antialiased
     for real in sorted((shared_data / "layer_line_png").glob("*.png")):
         Image.open(real).convert("L").save(path, format="PNG")
         refused(read_mask, path, "two grey levels of which one is 0, found")
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB"])
+def test_a_jpeg_image_is_read_as_a_png_one_and_noted(path, rng, mode):
+    image = rng.integers(0, 256, (300, 64), dtype=np.uint8)
+    Image.fromarray(image).convert(mode).save(path, format="JPEG", quality=95)
+    with Image.open(path) as opened:
+        expected = np.asarray(opened.convert("L"))
+    assert_array_equal(read_image(path, ANY_GREY)[0], expected)
+    notes = describe(path)["notes"]
+    assert "a JPEG image: its blocks of 8 pixels blur layers and speckle" in notes
+    path.write_bytes(path.read_bytes()[:3000])
+    refused(read_image, path, "JPEG: expected a whole grey image")

@@ -272,6 +272,17 @@ def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
     assert (coloured.sum(axis=1) > 500).sum() >= 5
 
 
+def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, rng, lines, monkeypatch):
+    echogram, _ = planted(rng, n_lines=500)
+    parts = [slice(0, 260), slice(260, 500)]
+    paths = [write_frame(tmp_path, echogram, 1 + n, part) for n, part in enumerate(parts)]
+    monkeypatch.setattr("snowsim.tracking.write_picture", lambda *_: {}["no such axis"])
+    assert track(paths, png=True) == len(paths)
+    assert "picks.png: picture: expected layers that can be drawn, found KeyError" in lines[-1]
+    for path in paths:
+        assert read_layers(tmp_path / "out" / f"{path.stem}_layers.nc").sizes["layer"] > 1
+
+
 def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, dataset, capsys):
     path = tmp_path / "frame.nc"
     dataset.to_netcdf(path)
