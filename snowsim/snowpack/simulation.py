@@ -34,6 +34,7 @@ FIRST_GRANULE = "20000101_01_001"
 SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0
+GROUND_M = 2700.0  # about that of the ice sheet there
 METRES_PER_DEGREE = 111_195.0
 RELATIVE_POWER = {
     "units": "1",
@@ -231,7 +232,7 @@ def _track(n_range_lines, radar, after):
         "slow_time": start["slow_time"] + elapsed_ns.astype("timedelta64[ns]"),
         "Latitude": start["Latitude"] + distance_m / METRES_PER_DEGREE,
         "Longitude": np.full(n_range_lines, start["Longitude"]),
-        "Elevation": np.full(n_range_lines, float(radar.height_m)),
+        "Elevation": np.full(n_range_lines, GROUND_M + radar.height_m),
         # Level flight, which readers of L1B files expect to be told.
         **dict.fromkeys(("Roll", "Pitch", "Heading"), np.zeros(n_range_lines)),
     }
