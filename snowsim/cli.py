@@ -530,22 +530,30 @@ def track(files, folder, **options):
     "path",
     required=True,
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Table, NAME.csv.",
+    help="NAME.csv, NAME.nc or, with snowsim[gis], NAME.gpkg; NAME_years.csv is written beside it.",
 )
 @click.option(
-    "--density", default="350", help="Of the snow [kg m-3], or the file of a measured profile."
+    "--density",
+    help="Of the snow at every depth [kg m-3], or the file of a measured profile; by default it "
+    "grows with depth, from 340.",
 )
 @click.option(
     "--temperature-k",
     type=float,
-    help="Annual mean: density is that of the surface and grows with depth.",
+    help="Annual mean of firn, whose density grows with depth; in Greenland known by position.",
 )
 @click.option(
     "--year",
     "years",
     multiple=True,
     required=True,
-    help="Of the first horizon below the surface, 2011, or of a layer, snow_3=2008.",
+    help="Of the first layer that is used, 2011, or of a layer, snow_3=2008; may be repeated.",
+)
+@click.option(
+    "--annual/--count",
+    default=None,
+    help="Every layer is one year, or years are counted; by default annual where no pick has a "
+    "confidence, as a person's.",
 )
 @click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
 @click.option(
@@ -554,40 +562,69 @@ def track(files, folder, **options):
 @over_option
 def accumulation(files, path, density, years, png, echograms, force, **settings):
     """Tell depth, age and accumulation of the layers in FILES, frames of one segment as snowsim
-    track writes them (NAME_layers.nc): a row for each range line and year.
+    track writes them (NAME_layers.nc) or as people picked them: a row for each range line and year.
+
+    \b
+    Columns of the CSV; NetCDF has them on (year, slow_time), GeoPackage their means over 500 m:
+      year               of a horizon; the snow of that year lies below it
+      depth_m            of that horizon, the upper end of the year's snow
+      thickness_m        of the year's snow
+      accumulation_m_we  metres of water a year
+      low, high          limits that hold the year's own accumulation in nine of ten
+      n_years            between the picks that bound it; values are means over them
+      confidence         probability of n_years
+      age_error_years    expected error of year, from the surface or a named layer down
+      flag               1 where n_years is doubtful, else 0
+      open_m_we          snow above the first horizon, of no whole year
 
     \b
     Examples:
       snowsim accumulation picked/*_layers.nc -o accumulation.csv --year 2011
-      snowsim accumulation picked/*_layers.nc -o a.csv --year snow_3=2008 --density core.csv
-      snowsim accumulation one_layers.nc -o a.csv --year 2011 --png --echogram one.nc
+      snowsim accumulation picked/*_layers.nc -o a.nc --year snow_3=2008 --density core.csv
+      snowsim accumulation one_layers.nc -o a.gpkg --year 2011 --png --echogram one.nc
     """  # noqa: D205, D301
     from snowsim.io import open_segment, read_echogram
-    from snowsim.io.files import write_table
+    from snowsim.io.files import write_dataset, write_table
+    from snowsim.io.geopackage import write_lines
     from snowsim.io.pictures import write_picture
-    from snowsim.snowpack import accumulation, table
+    from snowsim.snowpack import accumulation, by_year, pieces, table
 
     picture = path.with_suffix(".png")
-    check_outputs([path, picture] if png else [path], force, ".csv")
+    path_by_year = path.with_name(f"{path.stem}_years.csv")
+    paths = [path, path_by_year, picture] if png else [path, path_by_year]
+    check_outputs(paths, force, ".csv", ".nc", ".gpkg")
     layers = open_segment(files)
     with echo_warnings():
         found = accumulation(layers, density_of(density), year=year_of(years), **settings)
     rows = table(found)
-    write_table(path, rows)
+    if path.suffix == ".nc":
+        write_dataset(path, found)
+    elif path.suffix == ".gpkg":
+        write_lines(path, pieces(rows))
+    else:
+        write_table(path, rows)
+    write_table(path_by_year, by_year(found))
     click.echo(
         f"{path}: {len(rows)} rows of {found.sizes['year']} years; uppermost horizon "
         f"{found.attrs['uppermost']}; no horizons: {found.attrs['no_horizon'] or 'none'}; "
         f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
     )
+    if "temperature_k" in found.attrs:
+        click.echo(
+            f"density: Herron & Langway (1980) from {found.attrs['surface_density_kg_m3']:g} "
+            f"kg m-3, at {found.attrs['temperature_k']:.4g} K {found.attrs['temperature_by']}"
+        )
     if png:
         write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
         click.echo(f"{picture}: layers and accumulation")
 
 
 def density_of(text):
-    """Density that an option tells, or the profile in a file of that name."""
+    """Density that an option tells, or the profile in a file of that name; None if it is none."""
     from snowsim.io.profiles import read_profile
 
+    if text is None:
+        return None
     try:
         return float(text)
     except ValueError:

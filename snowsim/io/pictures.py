@@ -14,6 +14,7 @@ TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
 SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
 SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
 N_DEPTHS = 800
+SHOWN_YEARS = 5  # from one error of age to the next
 
 
 def write_picture(path, layers, echograms=(), accumulated=None):
@@ -47,9 +48,7 @@ def write_picture(path, layers, echograms=(), accumulated=None):
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
     panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is not None:
-        by_year = accumulated["accumulation_m_we"]
-        _draw_image(panels[1], by_year, at, "accumulation [m w.e. / yr]")
-        panels[1].yaxis.get_major_locator().set_params(integer=True)
+        _draw_accumulation(panels[1], accumulated, at)
     panels[-1].set(xlabel=label)
     with written_whole(path) as aside:
         figure.savefig(aside, format="png", dpi=110)
@@ -60,6 +59,21 @@ def _draw_image(axes, image, at, label, **how):
     image = image.assign_coords(slow_time=at.sel(slow_time=image["slow_time"]).values)
     image.plot.imshow(ax=axes, x="slow_time", cbar_kwargs={"label": label}, **how)
     axes.set(title="")
+
+
+def _draw_accumulation(axes, accumulated, at):
+    """Draw accumulation by year, hatched where it is a mean of years, and the error of ages."""
+    _draw_image(axes, accumulated["accumulation_m_we"], at, "accumulation [m w.e. / yr]")
+    year = accumulated["year"].values
+    mean = accumulated["n_years"].values > 1
+    if mean.any() and mean.shape[0] > 1:
+        axes.contourf(at, year, mean, levels=[0.5, 1], hatches=["////"], colors="none")
+    error = accumulated["age_error_years"].values
+    for number in range(0, year.size, SHOWN_YEARS):
+        low, high = year[number] - error[number], year[number] + error[number]
+        axes.fill_between(at, low, high, facecolor="#d5000030", edgecolor="#d50000", lw=0.7)
+    axes.set_title("hatched: means of several years; red: error of age", fontsize="small")
+    axes.yaxis.get_major_locator().set_params(integer=True)
 
 
 def _draw_layers(axes, layers, distance, depth_m):

@@ -3,7 +3,7 @@
 import importlib
 
 # Functions and classes by their module, loaded at first use: who checks settings needs firn alone.
-FACE = dict.fromkeys(("accumulation", "table"), "snow")
+FACE = {"accumulation": "snow"} | dict.fromkeys(("by_year", "pieces", "table"), "tables")
 FACE |= dict.fromkeys(("Climate", "PRESETS", "Radar", "Snowpack"), "physical")
 FACE |= {"physical_parameters": "physical", "simulate": "simulation"}
 FACE |= dict.fromkeys(("Reflectors", "combine"), "profile")

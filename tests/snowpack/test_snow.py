@@ -11,9 +11,29 @@ from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import write_dataset
 from snowsim.io.profiles import Profile
-from snowsim.snowpack.snow import AGE_UNCERTAIN, COLUMNS, COUNT_UNCERTAIN, accumulation, table
+from snowsim.snowpack import accumulation, by_year, pieces, table
+from snowsim.snowpack.firn import temperature_fausto09
 
 N_LINES = 400
+COLUMNS = tuple(
+    [
+        "frame",
+        "time",
+        "lat",
+        "lon",
+        "year",
+        "depth_m",
+        "thickness_m",
+        "accumulation_m_we",
+        "low",
+        "high",
+        "n_years",
+        "confidence",
+        "age_error_years",
+        "flag",
+        "open_m_we",
+    ]
+)
 DENSITY = 400.0
 ERROR_S = 2e-10
 
@@ -62,9 +82,10 @@ def test_every_year_has_the_mass_between_its_horizons(year_m):
     assert_allclose(found["thickness_m"], 1000 * year_m[1:] / DENSITY, rtol=1e-9)
     assert_allclose(found["open_m_we"], year_m[0], rtol=1e-9)
     assert (found["n_years"] == 1).all()
-    # Of errors of two picks, and 5 % of density over the refractive index, for nine of ten.
+    # Of errors of two picks and of density over the refractive index, for nine of ten: 5 % of the
+    # profile, and 30 kg m-3 of each year's snow.
     picks = np.sqrt(2) * ERROR_S / below_s(year_m[1:])
-    half = np.hypot(picks, 1.645 * 0.05 / (1 + 0.845e-3 * DENSITY))
+    half = np.hypot(picks, 1.645 * np.hypot(0.05, 30 / DENSITY) / (1 + 0.845e-3 * DENSITY))
     assert_allclose(found["high"] / found["accumulation_m_we"] - 1, half, rtol=1e-6)
     assert_allclose(1 - found["low"] / found["accumulation_m_we"], half, rtol=1e-6)
 
@@ -85,7 +106,7 @@ def test_a_horizon_that_is_missed_makes_one_span_of_two_years(year_m):
             assert_allclose(found["accumulation_m_we"][year, here], mean_m, rtol=1e-9)
         # Two years about their mean scatter by .3 / 2^.5, beside errors of the picks and density.
         picks = np.sqrt(2) * ERROR_S / below_s(2 * mean_m)
-        density = 0.05 / (1 + 0.845e-3 * DENSITY)
+        density = np.hypot(0.05, 30 / DENSITY / np.sqrt(2)) / (1 + 0.845e-3 * DENSITY)
         half = np.hypot(picks, 1.645 * np.hypot(density, 0.3 / np.sqrt(2)))
         assert_allclose(found["high"][years[0], here] / mean_m - 1, half, rtol=1e-6)
         assert_allclose(1 - found["low"][years[1], here] / mean_m, half, rtol=1e-6)
@@ -107,36 +128,72 @@ def test_a_pick_between_two_horizons_is_left_out_or_flagged(year_m):
     assert (same | (flag > 0)).all()
 
 
-def test_a_doubtful_pick_in_the_tail_of_the_surface_is_no_year_unless_it_is_named(year_m):
+def test_a_faint_layer_in_the_tail_of_the_surface_is_left_out_and_said_to_be(year_m):
     tail = below_s(np.full((1, N_LINES), 0.06))
     layers = layers_of(np.vstack([tail, below_s(water_of(year_m))]))
-    layers["confidence"][1] = 0.55
-    found = accumulation(layers, DENSITY, year=2011)
-    assert (found.attrs["uppermost"], found.attrs["no_horizon"]) == ("snow_2=2011", "snow_1")
+    layers["confidence"][1] = np.where(np.arange(N_LINES) < 100, 0.6, 0.3)
+    with pytest.warns(UserWarning, match="snow_1 of confidence below 0.5 left out above snow_2"):
+        found = accumulation(layers, DENSITY, year=2011)
+    assert found.attrs["uppermost"] == "snow_2=2011"
     assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
-    named = accumulation(layers, DENSITY, year={"snow_1": 2011})
-    assert named.attrs["uppermost"] == "snow_1=2011"
-    # The count from the surface to the first pick is doubtful, but then no age hangs on it.
-    shallow = accumulation(layers.isel(layer=[0, 1, 3, 4]), DENSITY, year={"snow_3": 2010})
-    assert (shallow["flag"].sel(year=2010) < AGE_UNCERTAIN).all()
 
 
-def test_first_horizons_that_nobody_picked_are_counted(year_m):
+@pytest.mark.parametrize("first_m", [0.06, 0.15, 0.3])
+@pytest.mark.parametrize("annual", [True, False])
+def test_the_first_layer_has_the_year_however_thin_the_snow_above_it(year_m, first_m, annual):
+    year_m[0] = first_m
+    layers = layers_of(below_s(water_of(year_m)))
+    found = accumulation(layers, DENSITY, year=2011, annual=annual)
+    assert found.attrs["uppermost"] == "snow_1=2011"
+    assert_allclose(found["accumulation_m_we"].sel(year=2011), year_m[1], rtol=1e-9)
+
+
+def test_a_first_horizon_that_may_be_missing_is_said_and_makes_ages_uncertain(year_m):
     year_m[0] = 0.3
-    found = accumulation(layers_of(below_s(water_of(year_m)[2:])), DENSITY, year=2011)
-    assert found.attrs["uppermost"] == "snow_1=2009"
-    assert_allclose(found["accumulation_m_we"].sel(year=2009), year_m[3], rtol=1e-9)
-    assert np.isnan(found["open_m_we"]).all()
+    layers = layers_of(below_s(water_of(year_m)[2:]))
+    with pytest.warns(UserWarning, match="snow of .* typical years lies above snow_1"):
+        found = accumulation(layers, DENSITY, year=2011)
+    # Two horizons are missing above the first layer: the true year is within the error.
+    assert (np.ceil(found["age_error_years"].sel(year=2011)) >= 2).all()
+    named = accumulation(layers, DENSITY, year={"snow_1": 2009})
+    assert (named["age_error_years"].sel(year=2009) == 0).all()
 
 
-def test_a_doubtful_count_is_flagged_and_so_is_every_deeper_age(year_m):
+def test_a_doubtful_count_is_flagged_there_and_deeper_ages_are_half_a_year_uncertain():
     water_m = water_of(np.repeat(np.full((11, 1), 0.3), N_LINES, axis=1))
-    water_m[5:] += 0.3 * 0.48  # one and a half years between two picks
-    flag = accumulation(layers_of(below_s(water_m)), DENSITY, year=2011)["flag"].values.astype(int)
-    assert_array_equal(flag[:4], 0)
-    assert_array_equal(flag[4] & COUNT_UNCERTAIN, COUNT_UNCERTAIN)
-    assert_array_equal(flag[5:] & AGE_UNCERTAIN, AGE_UNCERTAIN)
-    assert not (flag[5:] & COUNT_UNCERTAIN).any()
+    regular = accumulation(layers_of(below_s(water_m)), DENSITY, year=2011)
+    water_m[5:] += 0.3 * 0.677  # one year or two, by equal odds
+    found = accumulation(layers_of(below_s(water_m)), DENSITY, year=2011)
+    flag = found["flag"].values
+    assert (flag[4] == 1).all()
+    assert (np.delete(flag, 4, axis=0) == 0).all()
+    added = found["age_error_years"].values[5:9] - regular["age_error_years"].values[5:9]
+    # An uncertain layer counts as 1/2 +- 1/2 year, less what a regular one adds.
+    assert_allclose(added, 0.5, atol=0.1)
+
+
+def test_where_every_layer_is_one_year_thickness_alone_is_suspicious(year_m):
+    year_m[4] = 0.6
+    year_m[7] = 0.09
+    layers = layers_of(below_s(water_of(year_m))).drop_vars("confidence")
+    found = accumulation(layers, DENSITY, year=2011)
+    assert (found["n_years"] == 1).all()
+    assert_array_equal(found["year"], 2011 - np.arange(10))
+    assert_array_equal(found["flag"][:, 0], [0, 0, 0, 1, 0, 0, 1, 0, 0, 0])
+    assert_array_equal(found["age_error_years"][:, 0], [0, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1])
+
+
+def test_named_layers_are_certain_and_so_is_what_lies_between_them_if_it_fits(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    every = {f"snow_{n}": 2012 - n for n in range(1, 12)}
+    for annual in (True, False):
+        found = accumulation(layers, DENSITY, year=every, annual=annual)
+        assert (found["flag"] == 0).all()
+        assert (found["age_error_years"] == 0).all()
+    plain = accumulation(layers, DENSITY, year=2011)
+    two = accumulation(layers, DENSITY, year={"snow_1": 2011, "snow_9": 2003})
+    assert (two["age_error_years"].sel(year=2003) == 0).all()
+    assert (two["age_error_years"] <= plain["age_error_years"] + 1e-12).all()
 
 
 def test_a_layer_seen_elsewhere_dates_what_lies_below_it(year_m):
@@ -157,6 +214,48 @@ def test_years_are_fixed_by_names(year_m):
     fixed = accumulation(layers, DENSITY, year={"snow_3": 2008, "snow_4": 2005})
     assert_array_equal(fixed["n_years"][2:6, 0], [3, 3, 3, 1])
     assert fixed["year"][-1] == 2010 - 11
+    # Six layers for four years: no two get the same.
+    crowded = accumulation(layers, DENSITY, year={"snow_2": 2010, "snow_7": 2006})
+    assert crowded["year"][0] == 2011
+    assert crowded["accumulation_m_we"].notnull().any("slow_time").all()
+
+
+def test_a_gap_of_many_years_is_counted_and_said(year_m):
+    year_m = np.repeat(np.full((40, 1), 0.3), N_LINES, axis=1)
+    times = np.delete(below_s(water_of(year_m)), np.arange(10, 29), axis=0)
+    with pytest.warns(UserWarning, match="up to 20 years lie between two picks"):
+        found = accumulation(layers_of(times), DENSITY, year=2011)
+    assert_allclose(found["accumulation_m_we"], 0.3, rtol=1e-9)
+    assert found.sizes["year"] == 39
+
+
+def test_without_a_density_firn_is_that_of_the_place_in_greenland(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    layers["Elevation"] = layers["Elevation"] + 2500.0
+    layers["Longitude"] = layers["Longitude"] - 45.0
+    found = accumulation(layers, year=2011)
+    ground_m = 2500 - SPEED_OF_LIGHT_M_S * 3e-6 / 2
+    # Line by line, over .02 degrees of latitude.
+    assert_allclose(
+        found.attrs["temperature_k"], temperature_fausto09(ground_m, 70.01, -45), atol=0.01
+    )
+    given = accumulation(layers, 340, year=2011, temperature_k=found.attrs["temperature_k"])
+    assert_allclose(found["accumulation_m_we"], given["accumulation_m_we"])
+    with pytest.raises(ValueError, match="density: unknown outside Greenland"):
+        accumulation(layers.assign(Longitude=layers["Longitude"] + 45), year=2011)
+
+
+# Firn temperatures of boreholes: Clausen et al. (1988), GRIP: Johnsen et al. (1995) [deg C].
+@pytest.mark.parametrize(
+    ("latitude", "longitude", "height_m", "celsius"),
+    [(77.18, -61.11, 1885, -24), (65.18, -43.83, 2480, -20), (72.58, -37.64, 3230, -32)],
+)
+def test_temperatures_of_greenland_are_near_those_of_boreholes(
+    latitude, longitude, height_m, celsius
+):
+    # Air of 1996-2006 is warmer than old firn: by 2 to 4 K.
+    found = temperature_fausto09(height_m, latitude, longitude) - 273.15
+    assert_allclose(found, celsius + 3, atol=1.5)
 
 
 def test_a_profile_of_one_density_is_that_density_and_ends_where_it_ends(year_m):
@@ -209,6 +308,16 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
         (lambda x: x, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
         (
             lambda x: x,
+            {"year": {"snow_3": 2008, "snow_4": 1997}},
+            "11 years between two names contradict their snow",
+        ),
+        (
+            lambda x: x,
+            {"year": {"snow_3": 2008, "snow_6": 2004}, "annual": True},
+            "as layers, where each is one year, found .1",
+        ),
+        (
+            lambda x: x,
             {"density": Profile(np.array([0.1, 0.2]), np.array([400.0, 400.0]), "")},
             "above 0.25 m, where density ends",
         ),
@@ -237,8 +346,7 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsy
     expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; no horizons: none; 0 picks"
     assert expected in capsys.readouterr().out
     rows = pd.read_csv(path)
-    columns = ("frame", "time", "lat", "lon", "year", *COLUMNS)
-    assert tuple(rows.columns) == columns
+    assert tuple(rows.columns) == COLUMNS
     assert rows["frame"].unique().tolist() == ["Data_20120330_04_001", "Data_20120330_04_002"]
     first = rows[rows["lat"] == 70].set_index("year")["accumulation_m_we"]
     assert_allclose(first[2011 - np.arange(10)], year_m[1:, 0], rtol=1e-8)
@@ -269,3 +377,35 @@ def test_a_table_has_no_row_without_accumulation(year_m):
     rows = table(accumulation(layers_of(times), DENSITY, year=2011))
     assert len(rows) == 100 * 10 + 300 * 2
     assert rows["accumulation_m_we"].notna().all()
+
+
+def test_the_table_by_year_has_means_and_what_they_rest_on(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    rows = by_year(accumulation(layers, DENSITY, year=2011))
+    assert_array_equal(rows["year"], 2011 - np.arange(10))
+    assert_allclose(rows["accumulation_m_we"], year_m[1:].mean(axis=1), rtol=1e-9)
+    # 399 steps of 5e-5 degrees are 2.2 km: three are begun.
+    assert (rows["independent_km"] == 3).all()
+    picks = year_m[1:] * np.sqrt(2) * ERROR_S / below_s(year_m[1:])
+    assert_allclose(rows["error_picks"], picks.mean(axis=1) / np.sqrt(3), rtol=1e-6)
+
+
+def test_pieces_for_a_map_hold_every_range_line_once(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    rows = pieces(table(accumulation(layers, DENSITY, year=2011)))
+    assert len(rows) == 10 * 5  # 2.2 km in pieces of 500 m
+    assert sum(len(line) for line in rows["line"]) == 10 * N_LINES
+    assert_allclose(rows["line"][0][0], [0, 70])
+
+
+def test_other_endings_write_netcdf_and_a_map(tmp_path, files):
+    pyogrio = pytest.importorskip("pyogrio", reason="pyogrio is not installed: snowsim[gis]")
+    options = ["--year", "2011", "--density", "400"]
+    for ending in (".nc", ".gpkg"):
+        main(["accumulation", *files, "-o", str(tmp_path / f"a{ending}"), *options, "--force"])
+    with xr.open_dataset(tmp_path / "a.nc") as found:
+        assert found["age_error_years"].dims == ("year", "slow_time")
+    _, _, lines, values = pyogrio.raw.read(tmp_path / "a.gpkg")
+    assert len(lines) == 50
+    assert (values[0] > 2000).all()
+    assert (tmp_path / "a_years.csv").is_file()

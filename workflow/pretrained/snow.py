@@ -155,7 +155,7 @@ def accumulation_scores(tables, n_possible):
     Of spans between picks whose years are counted rightly `bias`, `rms` (both relative) and
     `correlation` of changes along track, of their means; `inside`, how often the truth of a year in
     them lies in its interval; `given`, of all line-years; of spans counted wrongly their share, and
-    the shares with the flag of an uncertain count and with any, beside right ones.
+    the share of them with a flag, beside that of right ones.
     """
     numbered = [table.assign(scene=number) for number, table in enumerate(tables) if len(table)]
     if not numbered:
@@ -175,9 +175,8 @@ def accumulation_scores(tables, n_possible):
         "correlation": changes.corr().iloc[0, 1],
         "given": len(years) / n_possible,
         "wrong": len(wrong) / len(spans),
-        "wrong_flagged": (wrong["flag"].astype(int) & 1).mean(),
-        "wrong_any_flag": (wrong["flag"] > 0).mean(),
-        "right_flagged": (right["flag"].astype(int) & 1).mean(),
+        "wrong_flagged": wrong["flag"].mean(),
+        "right_flagged": right["flag"].mean(),
     }
 
 

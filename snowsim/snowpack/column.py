@@ -1,0 +1,67 @@
+"""Depth and mass below the surface of snow of one density, of a profile, or of firn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+from snowsim.limits import check_values
+from snowsim.snowpack.firn import (
+    depth_herron_langway80,
+    temperature_fausto09,
+    travel_time_s,
+)
+from snowsim.snowpack.profile import interfaces
+
+DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
+GREENLAND = {"Latitude": (59, 84), "Longitude": (-74, -10)}
+DEEPEST_M = 500.0  # depth at which snow of one density ends
+DEEPEST_WATER_M = 200.0  # mass above the depth at which Herron & Langway's firn ends
+
+
+def temperature_k_of(layers):
+    """Mean annual temperature [K] along a track in Greenland, at the height of its surface."""
+    for name, (low, high) in GREENLAND.items():
+        if name not in layers or not low < layers[name].mean() < high:
+            msg = "density: unknown outside Greenland, or without positions: give temperature_k, "
+            msg += "a density or a profile"
+            raise ValueError(msg)
+    ground_m = layers["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
+    return float(temperature_fausto09(ground_m, layers["Latitude"], layers["Longitude"]).mean())
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Depth [m] and the mass above it [m w.e.], (sample,), down to where density is known."""
+
+    depth_m: np.ndarray
+    water_m: np.ndarray
+
+    @property
+    def twtt_s(self):
+        """Two-way travel time to every depth [s]."""
+        return travel_time_s(self.depth_m, self.water_m)
+
+    def at(self, values, below_s):
+        """Values (sample,) at travel times below the surface [s], NaN beyond the end."""
+        return np.interp(below_s, self.twtt_s, values, right=np.nan)
+
+
+def column_of(density, temperature_k, mean_m):
+    """`Column` of snow of one density, of a profile, or of firn under a mean accumulation."""
+    if hasattr(density, "density_kg_m3"):
+        found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
+        check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
+        # The last sample extends as far below its middle as above it.
+        depth_m = np.append(found.depth_m, 2 * density.depth_m[-1] - found.depth_m[-1])
+        slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
+        return Column(depth_m, np.append(0, np.cumsum(slab_m)))
+    check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
+    if temperature_k is None:
+        depth_m = np.array([0, DEEPEST_M])
+        return Column(depth_m, depth_m * density / WATER_DENSITY_KG_M3)
+    check_values("temperature_k", temperature_k, 200, 273.15, number=True)
+    check_values("density of the surface [kg m-3]", density, 50, 549)
+    # Samples are finest near the surface, where density changes fastest.
+    water_m = np.linspace(0, np.sqrt(DEEPEST_WATER_M), 2000) ** 2
+    return Column(depth_herron_langway80(water_m, mean_m, temperature_k, density), water_m)
