@@ -29,10 +29,27 @@ PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
 # Options of `simulate` that a climate has.
 CLIMATE = ("accumulation_m", "variability", "n_years")
+# Options of a table of depth and density.
+PROFILE = ("depth_unit", "density_unit", "depth_column", "density_column", "depth_of")
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
 into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 over_option = click.option("--force", is_flag=True, help="Write over files that are there.")
+
+
+def profile_options(command):
+    """Options that tell how a table of depth and density is read."""
+    units = {"--depth-unit": ["m", "cm", "mm"], "--density-unit": ["kg m-3", "g cm-3"]}
+    places = click.Choice(["top", "middle", "bottom"])
+    told = "Place in a sample that its depth is given for, where no header tells."
+    command = click.option("--depth-of", type=places, help=told)(command)
+    for quantity in ("density", "depth"):
+        told = f"Name of the column of {quantity}, where the header tells no one column."
+        command = click.option(f"--{quantity}-column", help=told)(command)
+    for option, choices in units.items():
+        told = f"Unit of {option[2:].partition('-')[0]}, where no header has it."
+        command = click.option(option, type=click.Choice(choices), help=told)(command)
+    return command
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -76,7 +93,8 @@ def export(sources, folder, layers, netcdf, force):
         raise click.UsageError(msg)
     else:
         row = SimpleNamespace(frame=sources[0].stem, echogram=sources[0], layers=layers)
-        echogram, picked = read_frame(row)
+        with echo_warnings():
+            echogram, picked = read_frame(row)
         scenes, skipped = scenes_of_frame(row, echogram, picked)
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
@@ -327,25 +345,7 @@ def train(sources, model, n_steps, force, **settings):
     help="A number or the window of the radar, by its name in the API.",
 )
 @click.option("--profile", type=EXISTING, help="Table of depth and density, in place of a climate.")
-@click.option(
-    "--depth-unit",
-    type=click.Choice(["m", "cm", "mm"]),
-    help="Unit of depth, where no header has it.",
-)
-@click.option(
-    "--density-unit",
-    type=click.Choice(["kg m-3", "g cm-3"]),
-    help="Unit of density, where no header has it.",
-)
-@click.option(
-    "--depth-column", help="Name of the column of depth, where the header tells no one column."
-)
-@click.option("--density-column", help="Name of the column of density, likewise.")
-@click.option(
-    "--depth-of",
-    type=click.Choice(["top", "middle", "bottom"]),
-    help="Place in a sample that its depth is given for, where no header tells.",
-)
+@profile_options
 @click.option(
     "--accumulation-m", type=float, default=0.3, help="Snow of a year, in metres of water."
 )
@@ -555,6 +555,7 @@ def track(files, folder, **options):
     help="Every layer is one year, or years are counted; by default annual where no pick has a "
     "confidence, as a person's.",
 )
+@profile_options
 @click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
 @click.option(
     "--echogram", "echograms", type=EXISTING, multiple=True, help="Of the frames, for the picture."
@@ -595,7 +596,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     check_outputs(paths, force, ".csv", ".nc", ".gpkg")
     layers = open_segment(files)
     with echo_warnings():
-        found = accumulation(layers, density_of(density), year=year_of(years), **settings)
+        density = density_of(density, {name: settings.pop(name) for name in PROFILE})
+        found = accumulation(layers, density, year=year_of(years), **settings)
     rows = table(found)
     if path.suffix == ".nc":
         write_dataset(path, found)
@@ -619,16 +621,22 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
         click.echo(f"{picture}: layers and accumulation")
 
 
-def density_of(text):
-    """Density that an option tells, or the profile in a file of that name; None if it is none."""
+def density_of(text, how):
+    """Density that an option tells, or the profile in a file of that name, read as options say.
+
+    None if no option tells any.
+    """
     from snowsim.io.profiles import read_profile
 
-    if text is None:
-        return None
     try:
-        return float(text)
+        density = None if text is None else float(text)
     except ValueError:
-        return read_profile(text)
+        return read_profile(text, **how)
+    for name in PROFILE:
+        if how[name] is not None:
+            msg = f"--{name.replace('_', '-')} is of a table, not of a --density of {text}"
+            raise click.UsageError(msg)
+    return density
 
 
 def year_of(texts):

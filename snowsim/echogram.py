@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from snowsim.constants import EARTH_RADIUS_M
+from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
@@ -13,6 +13,13 @@ MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
+# Speckle is a share of the power: from row to row its logarithm follows that of the power by a
+# slope of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike
+# everywhere; and taken for power, those that are all far above zero span hardly anything.
+DECIBELS = "Data looks like decibels: speckle of linear power is in proportion to it"
+LEAST_SLOPE = 0.2
+LEAST_SPAN_DB = 3.0
+LEAST_LINES = 32  # and rows, that tell it
 DEGREES = {"Latitude": 90, "Longitude": 360}
 FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
@@ -255,9 +262,10 @@ def check_echogram(echogram, where="echogram"):
     _check_variables(echogram, axes | along_track, where)
     twtt = echogram["twtt"].values
     even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
-    # Files store travel time to about 1e-13 s; a thousandth of a bin is far above that and below
-    # any use. NaN is not even, either.
-    uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]))
+    # A thousandth of a bin is below any use, and so is the last digit of single precision, which
+    # some files store. NaN is not even, either.
+    last_digit = np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
+    uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]) + last_digit)
     if twtt.size < 2 or uneven.any():
         msg = f"{where}: twtt must increase in even steps, {uneven.sum()} of {twtt.size} do not"
         raise ValueError(msg)
@@ -326,6 +334,33 @@ def surface_away_bins(echogram, layers):
     """
     away = np.abs(layer_bins_of(layers, echogram)[0] - own_surface_bins(echogram))
     return np.nanmedian(away) if np.isfinite(away).any() else np.nan
+
+
+def looks_like_decibels(echogram):
+    """Whether Data has a span, or speckle along track, that no linear power has, as in `DECIBELS`.
+
+    Told on 256 lines in the middle, level with the echogram's own surface.
+    """
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    n_bins, n_lines = power.shape
+    first = max(0, n_lines // 2 - BLOCK_LINES // 2)
+    lines = np.arange(first, min(first + BLOCK_LINES, n_lines))
+    surface = np.nan_to_num(own_surface_bins(echogram)[lines])
+    rows = np.arange(n_bins)[:, None] + np.rint(surface - np.median(surface)).astype(int)
+    level = power[np.clip(rows, 0, n_bins - 1), lines].astype(float)
+    level[(rows < 0) | (rows >= n_bins) | ~(level > 0)] = np.nan
+    measured = np.isfinite(np.diff(level, axis=1)).mean(axis=1) > 0.5
+    level = level[measured]
+    if np.count_nonzero(measured) < LEAST_LINES or lines.size < LEAST_LINES:
+        return False
+    speckle = np.nanmedian(np.abs(np.diff(level, axis=1)), axis=1)
+    if np.count_nonzero(speckle) < LEAST_LINES:
+        return False
+    if to_db(np.nanmax(level) / np.nanmean(level, axis=1).min()) < LEAST_SPAN_DB:
+        return True
+    logarithms = np.log([np.nanmedian(level, axis=1)[speckle > 0], speckle[speckle > 0]])
+    (variance, covariance), _ = np.cov(logarithms)
+    return covariance < LEAST_SLOPE * variance
 
 
 def along_track_m(echogram):

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import formats
+import netCDF4
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -228,6 +229,16 @@ def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
     # What was exported is truth: of itself, without an error.
     main(["score", "--picks", "datasets", "pairs", "--format", "csv"])
     assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
+
+
+def test_export_says_what_reading_warns_of_in_one_line(tmp_path, rng, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    formats.write_nsidc_flight(tmp_path, rng, ["test"], 300)
+    with netCDF4.Dataset("test.nc", "r+") as file:
+        file["Surface"][:] -= 30 * formats.BIN_S
+    main(["export", "test.nc", "--layers", formats.LAYERS_FILE, "pairs"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"warning: {formats.LAYERS_FILE}: layer 0 lies 30 range bins")
 
 
 def test_help_has_examples_of_every_command():

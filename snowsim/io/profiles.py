@@ -1,7 +1,9 @@
 """Profiles of density against depth as text: pits, cores, penetrometers."""
 
+import io
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from unicodedata import normalize
 
 import numpy as np
@@ -17,11 +19,15 @@ LEAST_KG_M3 = 60.0
 # Words of columns' names.
 DENSITY = r"\b(density|dens|rho|ρ)\b"
 THICKNESS = r"\bthickness\b"
-TOP = r"\b(top|upper|from)\b"
-BOTTOM = r"\b(bottom|base|lower|to)\b"
-MIDDLE = r"\b(mid|middle|centre|center)\b"
+TOP = r"\b(top|upper|from|start)\b"
+BOTTOM = r"\b(bottom|bot|base|lower|to|stop|end)\b"
+MIDDLE = r"\b(mid|middle|midpoint|centre|center)\b"
 DEPTH = rf"\bdepth\b|{TOP}|{BOTTOM}|{MIDDLE}"
 NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
+WATER = r"\b(m?w ?e|m?w ?eq|water)\b"  # equivalent: no depth in snow
+# A block of remarks in front of the header, as PANGAEA has it; a number that stands for none.
+REMARKS = re.compile(r"\s*/\*.*?\*/\s*", re.DOTALL)
+MISSING = -9999
 # What a header says of a column, or an option in its place.
 CHOICES = {
     "depth_unit": {"m": r"\bm\b", "cm": r"\bcm\b", "mm": r"\bmm\b"},
@@ -58,8 +64,8 @@ def read_profile(
     header, or are given; density without a unit takes the one that its values fit. Depths are of
     the top, bottom or middle of samples, as the name or `depth_of` says; where neither does, of
     tops if the first is 0, of middles if it is about half the first sample, else they are refused.
-    Rows may run from the bottom up, numbers have a decimal comma; lines that begin with # are
-    remarks.
+    Rows may run from the bottom up, numbers have a decimal comma, -9999 is none; lines that begin
+    with # and a block /* */ above the header are remarks. Depth in water equivalent is refused.
     """
     table = _table(path)
     density = _column(path, table, "density", DENSITY, density_column)
@@ -96,8 +102,11 @@ def _table(path):
     """Table of texts."""
     with library_errors(path, "table: expected text with a header and columns"):
         # Spreadsheets write a raised 3 as no UTF-8.
-        how = {"encoding": "utf-8-sig", "encoding_errors": "replace", "dtype": str}
-        table = pd.read_csv(path, sep=None, engine="python", comment="#", **how)
+        text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
+        text = REMARKS.sub("", text, count=1) if REMARKS.match(text) else text
+        separator = "\t" if "\t" in text.partition("\n")[0] else None
+        how = {"engine": "python", "comment": "#", "dtype": str}
+        table = pd.read_csv(io.StringIO(text), sep=separator, **how)
     if table.empty or not isinstance(table.index, pd.RangeIndex):
         found = "no row" if table.empty else "more: decimal commas?"
         raise refusal(path, "rows", "as many fields as the header has", found)
@@ -113,14 +122,15 @@ def _named(table, pattern):
     """Columns whose names have one of the words, and none that tells another quantity."""
     told = {name: _words(name) for name in table.columns}
     found = [name for name, words in told.items() if re.search(pattern, words)]
-    return [name for name in found if not re.search(NOT_MEANT, told[name])]
+    return [name for name in found if not re.search(f"{NOT_MEANT}|{WATER}", told[name])]
 
 
 def _column(path, table, quantity, pattern, name):
     """The column of a name; without one, that of a quantity."""
     found = _named(table, pattern) if name is None else [name]
     if len(found) != 1 or found[0] not in table:
-        expected = f"one column with {quantity} in its name, or --{quantity}-column"
+        expected = f"one column with {quantity} in its name (but of water equivalent), "
+        expected += f"or --{quantity}-column"
         raise refusal(path, name or quantity, expected, listed(map(str, table.columns)))
     return found[0]
 
@@ -132,6 +142,7 @@ def _numbers(path, texts):
     """
     numbers = texts.apply(lambda column: pd.to_numeric(column.str.replace(",", "."), "coerce"))
     bad = numbers.isna() & texts.notna()
+    numbers = numbers.mask(numbers == MISSING)
     below = texts.iloc[0].to_dict() if bad.iloc[0].all() else {}
     bad.iloc[:, 0] = numbers.iloc[:, 0].isna()
     if below:
@@ -152,6 +163,8 @@ def _choice(path, column, option, given, likely=None):
     choices = CHOICES[option]
     column = column.strip()
     words = _words(column)
+    if re.search(WATER, words):
+        raise refusal(path, column, "depth in snow", "water equivalent")
     told = [choice for choice, pattern in choices.items() if re.search(pattern, words)]
     if given is not None:
         check_choice(option, given, choices)

@@ -6,7 +6,13 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
-from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins
+from snowsim.echogram import (
+    DECIBELS,
+    FAR_BINS,
+    check_choice,
+    looks_like_decibels,
+    surface_away_bins,
+)
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded
@@ -68,7 +74,7 @@ def fit(frames, *, estimator="deblended"):
     ------
     ValueError
         If there is no frame, bin sizes differ, a dataset breaks the convention or looks like
-        amplitude in place of power, or `estimate` refuses the flight.
+        amplitude or decibels in place of power, or `estimate` refuses the flight.
 
     Examples
     --------
@@ -89,6 +95,9 @@ def fit(frames, *, estimator="deblended"):
     away_bins = []
     for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
         where = f"frame {number}"
+        if looks_like_decibels(echogram):
+            msg = f"{where}: {DECIBELS}"
+            raise ValueError(msg)
         summaries.append(summarise(echogram, layers, where=where))
         if looks_like_amplitude(echogram, layers):
             msg = f"{where}: Data: expected linear power, found amplitude, by the skewness of the "

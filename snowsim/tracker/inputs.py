@@ -12,10 +12,12 @@ import xarray as xr
 
 from snowsim.echogram import (
     DB_BELOW_NOISE_FLOOR,
+    DECIBELS,
     SURFACE_ROW,
     along_track_m,
     bin_size_s,
     check_echogram,
+    looks_like_decibels,
     to_db,
 )
 from snowsim.frames import resample_range
@@ -29,12 +31,7 @@ SATURATED_DB = 10.0
 # Positions repeat or jump where the spacing is no distance.
 SPACINGS_M = (0.01, 1e4)
 MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
-# Speckle is a share of the power: from row to row its logarithm follows that of the power by a
-# slope of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike
-# everywhere; and taken for power, those that are all far above zero span hardly anything.
-LEAST_SLOPE = 0.2
-LEAST_SPAN_DB = 3.0
-LEAST_LINES = 32  # and rows, that tell it
+LEAST_LINES = 32  # that tell how lines are averaged
 # Rows above the surface that are air alone, how many of them tell looks, and what one look is.
 AIR_ABOVE = 10
 LEAST_AIR = 12
@@ -164,8 +161,8 @@ def canonical(echogram, card, where="echogram"):
     surface_db = np.concatenate([block.largest_db for block in blocks])
     scale = (noise_floor_db, maximum_db)
     seen = Canonical(echogram, grid, *scale, surface_db, notes, outside)
-    if echogram.attrs.get("source_format") != "image" and _like_decibels(seen):
-        notes.append("Data looks like decibels: speckle of linear power is in proportion to it")
+    if echogram.attrs.get("source_format") != "image" and looks_like_decibels(echogram):
+        notes.append(DECIBELS)
     return seen
 
 
@@ -255,26 +252,6 @@ def _survey(echogram, lines, given, bin_s, n_averaged):
     own = echogram["Data"].values[:, lines]
     n_looks = _looks_in_air(own, surface * (bin_s / bin_size_s(echogram)))
     return _Block(surface, share, largest_db, noise_floor_db, maximum_db, n_looks)
-
-
-def _like_decibels(seen):
-    """Whether the middle lines have a span, or speckle along track, that no linear power has."""
-    grid = seen.grid
-    first = max(0, grid.top.size // 2 - BLOCK_LINES // 2)
-    own = slice(first, first + BLOCK_LINES)
-    if seen.maximum_db - seen.noise_floor_db < LEAST_SPAN_DB:
-        return True
-    if grid.top[own].size < LEAST_LINES:
-        return False
-    power_db = _level_db(_resampled(seen.echogram, own, grid.bin_s), grid.top[own], grid.n_rows, 1)
-    measured = np.isfinite(np.diff(power_db, axis=1)).mean(axis=1) > 0.5
-    power = 10 ** (power_db[measured].astype(float) / 10)
-    speckle = np.nanmedian(np.abs(np.diff(power, axis=1)), axis=1)
-    if np.count_nonzero(speckle) < LEAST_LINES:
-        return False
-    logarithms = np.log([np.nanmedian(power, axis=1)[speckle > 0], speckle[speckle > 0]])
-    (variance, covariance), _ = np.cov(logarithms)
-    return covariance < LEAST_SLOPE * variance
 
 
 def _tops(surface):

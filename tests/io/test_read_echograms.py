@@ -9,11 +9,14 @@ import xarray as xr
 from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 
+from snowsim import Climate, simulate
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.io import echogram as echogram_of
 from snowsim.io import read_echogram
+from snowsim.io.describe import describe
 from snowsim.io.echograms import gps_seconds, utc_times
 from snowsim.io.files import write_dataset
+from snowsim.statistics import fit
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
 DB_ROUND_TRIP = 1e-5
@@ -354,3 +357,29 @@ def test_units_of_time_that_nobody_knows_are_named_with_their_variable(path, con
     write(path, content)
     set_units(path, name, "moons since 2012-03-30")
     refused(read_echogram, path, f"{name}: expected units of time .*, found 'moons since")
+
+
+@of_mat
+def test_a_time_axis_in_single_precision_is_even_to_its_last_digit(path, content, write):
+    time = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
+    echogram = read_back(write, path, content | {"Time": time.astype(np.float32)})
+    assert_allclose(bin_size_s(echogram), 0.0866e-9, rtol=1e-4)  # .26 % of a bin over 119 of them
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    return simulate(Climate(accumulation_m=0.4), "snow-2012", n_range_lines=256, rng=1)
+
+
+@pytest.mark.parametrize("offset_db", [None, 120, 1000])
+def test_decibels_made_positive_are_told_by_info_and_refused_by_fit(path, simulated, offset_db):
+    echogram, layers = simulated
+    power = echogram["Data"]
+    if offset_db is not None:
+        power = to_db(power) - float(to_db(power).max()) + offset_db
+    echogram.assign(Data=power.assign_attrs(units="")).to_netcdf(path)
+    told = [note for note in describe(path)["notes"] if "looks like decibels" in note]
+    assert len(told) == (offset_db is not None)
+    if offset_db is not None:
+        with pytest.raises(ValueError, match="frame 0: Data looks like decibels"):
+            fit([(read_echogram(path), layers)])

@@ -76,6 +76,46 @@ def test_columns_and_units_that_no_header_tells_are_named(read):
     assert read(text, **named, depth_of="bottom").depth_m.tolist() == [0.025, 0.1]
 
 
+PANGAEA = """/* DATA DESCRIPTION:
+Citation:\tA core, in depth and density
+Event(s):\tB26 * LATITUDE: 77.25
+*/
+Depth ice/snow [m]\tDepth w.eq. [m]\tDepth top [m]\tDepth bot [m]\tDensity ice [kg/m**3]
+0.05\t0.016\t0.00\t0.10\t310
+0.15\t0.052\t0.10\t0.20\t420
+"""
+SUMUP = """Profile,Citation,Density,Start_Depth,Stop_Depth,Midpoint,Error,SDOS_Flag
+7,41,0.310,0,0.1,0.05,-9999,-9999
+7,41,-9999,0.1,0.2,0.15,-9999,-9999
+7,41,0.420,0.2,0.3,0.25,-9999,-9999
+"""
+
+
+def test_tables_as_pangaea_and_sumup_give_them_are_read(read):
+    profile = read(PANGAEA)
+    assert_allclose(profile.depth_m, [0.05, 0.15])
+    assert_allclose(profile.density_kg_m3, [310, 420])
+    profile = read(SUMUP, depth_unit="m")
+    assert_allclose(profile.depth_m, [0.05, 0.15, 0.25])
+    assert_allclose(profile.thickness_m, 0.1)
+    assert_allclose(profile.density_kg_m3, [310, np.nan, 420])
+
+
+@pytest.mark.parametrize(
+    "header", ["depth_m_we", "Depth w.e. [m]", "depth (m w.eq.)", "depth_mwe", "water depth [m]"]
+)
+def test_depth_in_water_equivalent_is_no_depth_in_snow(read, header):
+    rows = "\n0.016,310\n0.052,420\n"
+    for how in ({}, {"depth_column": header}):
+        with pytest.raises(ValueError, match=r"water equivalent"):
+            read(f"{header},density{rows}", **how)
+    # Beside a depth in snow it is passed over; its unit may stand in a row below the header.
+    beside = f"depth [m],{header},density\n0.05,0.016,310\n0.15,0.052,420\n"
+    assert_allclose(read(beside).depth_m, [0.05, 0.15])
+    with pytest.raises(ValueError, match="expected depth in snow, found water equivalent"):
+        read(f"depth,density\nm w.e.,kg m-3{rows}")
+
+
 def test_samples_reach_from_their_top_to_the_next(read):
     profile = read("depth_cm,density_kgm3\n0,300\n10,310\n30,400\n80,350")
     assert_allclose(profile.depth_m + profile.thickness_m / 2, [0.1, 0.3, 0.8, 1.8])
