@@ -13,13 +13,16 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=
     With `above` they must be greater than `low`; with `number` there must be a single number.
     """
     values = np.asarray(values)
+    if number and values.ndim:
+        msg = f"{name} must be one number, got an array of shape {values.shape}"
+        raise ValueError(msg)
     bad = np.ones(values.shape, dtype=bool)
-    if values.dtype.kind in "fiu" and not (number and values.ndim):
+    if values.dtype.kind in "fiu":
         held = (values > low) if above else (values >= low)
         bad = ~(held & np.isfinite(values) & (values <= high))
     if bad.any():
         place = tuple(np.argwhere(bad)[0].tolist())
-        rule = "one number, finite" if number and values.ndim else "finite"
+        rule = "finite"
         if low > -np.inf:
             rule += f", {'above' if above else 'at least'} {low:g}"
         if high < np.inf:

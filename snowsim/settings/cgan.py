@@ -13,29 +13,30 @@ class Settings(Checked):
         "measured",
         "networks know depths and how bright PHY expects layers and snow; pix2pix: the mask alone, "
         "paper",
-        enum=("measured", "pix2pix"),
+        choices=("measured", "pix2pix"),
     )
-    width: int = setting(16, "[channels] of the outermost stage; paper scale 64", minimum=1)
-    depth: int = setting(5, "[halvings] of the generator; pix2pix: 8", minimum=2, maximum=10)
-    n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", minimum=1)
+    width: int = setting(16, "[channels] of the outermost stage; paper scale 64", low=1)
+    depth: int = setting(5, "[halvings] of the generator; pix2pix: 8", low=2, high=10)
+    n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", low=1)
     n_range_bins: int | None = setting(
         256,
         "[range bins] of a random crop; null: whole scenes; pix2pix: 256 of scenes resized to 286",
-        minimum=32,
+        low=32,
     )
     n_range_lines: int | None = setting(
-        192, "[range lines] of a random crop; null: whole scenes; pix2pix: 256 of 286", minimum=32
+        192, "[range lines] of a random crop; null: whole scenes; pix2pix: 256 of 286", low=32
     )
     learning_rate: float = setting(
         0.0005,
         "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4, constant",
-        exclusiveMinimum=0,
+        low=0,
+        above=True,
     )
     precision: str = setting(
         "bfloat16",
         "of the arithmetic; weights are float32 in both. bfloat16: float32 on a processor without "
         "AVX-512, where that is ten times faster",
-        enum=("float32", "bfloat16"),
+        choices=("float32", "bfloat16"),
     )
 
     def __post_init__(self):

@@ -12,7 +12,7 @@ class Settings(Checked):
     n_looks: float | None = setting(
         16,
         "[looks] as in the benchmark (benchmark.n_looks); paper: 100; null: as in the flight",
-        minimum=1,
+        low=1,
     )
 
 

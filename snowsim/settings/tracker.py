@@ -16,56 +16,56 @@ class Settings(Checked):
         "multi_scale",
         "multi_scale: network of the tracker paper, small recipe; published: also copies of "
         "scenes, loss and updates as in its code",
-        enum=("multi_scale", "published"),
+        choices=("multi_scale", "published"),
     )
-    width: int = setting(4, "[channels] of the first stage; tracker paper: 64", minimum=1)
+    width: int = setting(4, "[channels] of the first stage; tracker paper: 64", low=1)
     n_averaged: int = setting(
         1,
         "[range lines] that the network averages before its first stage; published: 1",
-        minimum=1,
-        maximum=2,
+        low=1,
+        high=2,
     )
-    n_steps: int = setting(1000, "[gradients] of the whole training", minimum=1)
-    batch_size: int = setting(4, "[patches] of one gradient", minimum=1)
+    n_steps: int = setting(1000, "[gradients] of the whole training", low=1)
+    batch_size: int = setting(4, "[patches] of one gradient", low=1)
     n_range_bins: int | None = setting(
-        192, "[range bins] of a random crop; null: whole images", minimum=32
+        192, "[range bins] of a random crop; null: whole images", low=32
     )
     n_range_lines: int | None = setting(
-        128, "[range lines] of a random crop; null: whole images", minimum=32
+        128, "[range lines] of a random crop; null: whole images", low=32
     )
     flip: bool = setting(True, "also show images mirrored left to right")
-    learning_rate: float = setting(0.001, "largest rate of the schedule", exclusiveMinimum=0)
-    weight_decay: float = setting(0.01, "weight decay of the optimiser", minimum=0)
+    learning_rate: float = setting(0.001, "largest rate of the schedule", low=0, above=True)
+    weight_decay: float = setting(0.01, "weight decay of the optimiser", low=0)
     layer_share: float | None = setting(
         0.03,
         "[1] share of layer pixels by which the loss balances layers and background; null: each "
         "image's own, as published",
-        exclusiveMinimum=0,
-        exclusiveMaximum=1,
+        low=0,
+        above=True,
+        high=0.999,
     )
     precision: str = setting(
         "bfloat16",
         "precision of the arithmetic; weights are always float32. A processor without AVX-512 "
         "computes bfloat16 in float32, which is ten times faster there",
-        enum=("float32", "bfloat16"),
+        choices=("float32", "bfloat16"),
     )
     scales: tuple = setting(
         (1.0, 0.75, 0.5, 0.25),
         "published: relative sizes in which an epoch shows every image",
-        listed="one or more in (0, 1]",
-        minItems=1,
-        exclusiveMinimum=0,
-        maximum=1,
+        low=0,
+        above=True,
+        high=1,
     )
-    n_accumulated: int = setting(10, "published: [gradients] per update", minimum=1)
+    n_accumulated: int = setting(10, "published: [gradients] per update", low=1)
     n_steps_per_tenth: int = setting(
-        10000, "published: [updates] after which the rate falls to a tenth", minimum=1
+        10000, "published: [updates] after which the rate falls to a tenth", low=1
     )
     n_epochs_per_tenth: int | None = setting(
         None,
         "published: [epochs] after which the rate falls to a tenth, in place of "
         "n_steps_per_tenth; code of 2020: 3",
-        minimum=1,
+        low=1,
     )
 
     def __post_init__(self):

@@ -41,14 +41,11 @@ def at_the_limits(limits, is_whole):
     step = 1 if is_whole else 1e-9
     inside = []
     outside = []
-    for key, outwards in (("minimum", -step), ("maximum", step)):
+    for key, outwards in (("low", -step), ("high", step)):
         if key in limits:
-            inside.append(limits[key])
-            outside.append(limits[key] + outwards)
-    for key, inwards in (("exclusiveMinimum", step), ("exclusiveMaximum", -step)):
-        if key in limits:
-            inside.append(limits[key] + inwards)
-            outside.append(limits[key])
+            is_excluded = key == "low" and limits.get("above", False)
+            inside.append(limits[key] - outwards * is_excluded)
+            outside.append(limits[key] + outwards * (not is_excluded))
     return inside, outside
 
 
@@ -73,12 +70,12 @@ def groups_of(recipe):
 def test_the_package_refuses_what_the_limits_of_its_settings_exclude(stage):
     for group in groups_of(next(iter(RECIPES[stage].values()))):
         for each in fields(group):
-            limits = dict(each.metadata)
-            is_list = "minItems" in limits
-            inside, outside = at_the_limits(limits, is_whole=isinstance(each.default, int))
+            limits = each.metadata["limits"]
+            is_list = each.type is tuple
+            inside, outside = at_the_limits(limits, is_whole="int" in str(each.type))
             # Settings of the flight also limit each other.
             for value in inside if stage != "reference" else []:
-                replace(group, **{each.name: limits["minItems"] * [value] if is_list else value})
+                replace(group, **{each.name: [value] if is_list else value})
             for value in [*outside, "none of these", {}, *([None] if inside else [])]:
                 if value is None and "None" in str(each.type):
                     continue

@@ -9,8 +9,7 @@ from pathlib import Path
 import jsonschema
 import yaml
 
-from reference.settings import PROFILES
-from snowsim.settings import replaced
+from reference.settings import PROFILES, replaced
 from snowsim.settings.cgan import RECIPES as CGAN
 from snowsim.settings.phy import RECIPES as PHY
 from snowsim.settings.tracker import RECIPES as TRACKER

@@ -1,13 +1,13 @@
 """All settings of the synthetic reference flight, from one section of a configuration."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 
 from reference.line import line_length_km, place_at
 from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.limits import check_values
-from snowsim.settings import Checked, replaced, setting
+from snowsim.settings import Checked, setting
 from snowsim.snowpack.firn import depth_herron_langway80, travel_time_s
 
 DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
@@ -16,8 +16,8 @@ DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & La
 def limited(default, low=None, high=None, about=""):
     """A number with its default and its least and greatest value; without limits it is positive."""
     if low is None:
-        return setting(default, about, exclusiveMinimum=0)
-    return setting(default, about, minimum=low, maximum=high)
+        return setting(default, about, low=0, above=True)
+    return setting(default, about, low=low, high=high)
 
 
 @dataclass(frozen=True)
@@ -131,10 +131,10 @@ class RadarSettings(Checked):
         5.2,
         about="[m] 4 presums x 4 coherent x 5 incoherent averages at 2 kHz and 130 m/s: 2012 sheet",
     )
-    n_range_bins: int = setting(800, "[range bins] of a frame", minimum=200)
-    surface_bin: int = setting(100, "[range bin] of the surface in a frame", minimum=10)
-    n_sub_bins: int = setting(4, "[per range bin] scatterers in one look", minimum=1)
-    n_looks: int = setting(5, "[looks] of a range line: 20 range lines have 100", minimum=1)
+    n_range_bins: int = setting(800, "[range bins] of a frame", low=200)
+    surface_bin: int = setting(100, "[range bin] of the surface in a frame", low=10)
+    n_sub_bins: int = setting(4, "[per range bin] scatterers in one look", low=1)
+    n_looks: int = setting(5, "[looks] of a range line: 20 range lines have 100", low=1)
     bandwidth_hz: float = limited(
         PROCESSED_BANDWIDTH_HZ,
         about="[Hz] processed, 2.30016 to 7.449984 GHz, 2012 sheet; nominal sweep, paper: 6.0e+9",
@@ -251,6 +251,27 @@ class Settings:
 
 # A profile never changes: other values get another name.
 PROFILES = {"greenland_2012": Settings()}
+
+
+def replaced(settings, values, where=""):
+    """Settings with some values replaced, a dict by name; a group of settings is a dict in it.
+
+    ValueError, naming the setting, if one is unknown or not within its limits.
+    """
+    if not isinstance(values, dict):
+        msg = f"{where.rstrip('.') or 'settings'}: expected names with values, got {values!r}"
+        raise ValueError(msg)
+    known = [each.name for each in fields(settings)]
+    changes = {}
+    for name, value in values.items():
+        if name not in known:
+            msg = f"{where}{name}: unknown key, expected some of {', '.join(known)}"
+            raise ValueError(msg)
+        group = getattr(settings, name)
+        if is_dataclass(group):
+            value = replaced(group, value, f"{where}{name}.")
+        changes[name] = value
+    return replace(settings, **changes)
 
 
 def checked_settings(reference):
