@@ -1,9 +1,13 @@
 """Physical constants in SI units and the radar's fixed figures, with their sources."""
 
+import math
+
 SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI definition of the metre
 ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 4th ed.
 WATER_DENSITY_KG_M3 = 1000.0  # by convention, for metres of water equivalent
 GAS_CONSTANT_J_MOL_K = 8.31446261815324  # CODATA 2018, exact
+KILOMETRE = 1000.0  # m
+NEPERS = math.log(10) / 10  # of power, in a decibel
 EARTH_RADIUS_M = 6.371e6  # mean radius; distances are taken on a sphere
 # The refractive index of dry snow is 1 + this times its density: Kovacs, Gow & Morey (1995), Cold
 # Reg. Sci. Technol. 23, 245-256.

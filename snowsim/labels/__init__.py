@@ -1,6 +1,6 @@
 """Synthetic layer geometries drawn from flight statistics, and the echoes of their layers."""
 
-from snowsim.labels.dressing import dress, redress
+from snowsim.labels.echoes import dress, redress
 from snowsim.labels.paper import draw_paper_scene, dress_as_printed
 from snowsim.labels.scene import LabelModel, draw, draw_scene, prepare
 from snowsim.labels.undulations import Nonstationary

@@ -4,7 +4,7 @@ import numpy as np
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import SURFACE_ROW, Echoes, Kind, Scene, scene_height, zone_of
-from snowsim.labels.dressing import of_uppermost, values_of
+from snowsim.labels.echoes import of_uppermost, values_of
 from snowsim.labels.scene import notes_of
 from snowsim.labels.undulations import layers_below, mirrored
 from snowsim.limits import check_count, check_statistics

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
-from snowsim.labels.dressing import values_of
-from snowsim.labels.powers import PowerModel, add_echoes, power_model
+from snowsim.labels.echoes import PowerModel, add_echoes, power_model, values_of
 from snowsim.labels.undulations import (
     MINIMUM_THICKNESS_BINS,
     Nonstationary,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from snowsim.constants import KILOMETRE
 from snowsim.limits import check_values
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -12,7 +13,6 @@ GRID_BITS = 12  # layers are multiples of 2^-12 range bins, which float32 holds 
 # same on all processors.
 LEAST_EIGENVALUE = 1e-10
 LENGTHS_AROUND = 8  # a circle is at least so many correlation lengths long
-KILOMETRE = 1000.0
 
 
 @dataclass(frozen=True)

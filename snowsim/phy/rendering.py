@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from snowsim.constants import NEPERS
 from snowsim.echogram import to_uint8
 from snowsim.limits import check_values
 from snowsim.phy.power import checked_waveforms, power_of
@@ -12,7 +13,6 @@ from snowsim.seeding import generator
 
 NEEDED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
 OPTIONAL = {"speckle_correlation": None, "line_gain_spread_db": 0.0}
-NEPERS = np.log(10) / 10  # per dB
 
 
 def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed=False):

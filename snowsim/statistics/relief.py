@@ -12,6 +12,7 @@ the mean over `MEAN_LINES` takes from the change over as few lines, most where l
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from snowsim.constants import KILOMETRE
 from snowsim.statistics.summaries import in_blocks, known_mean
 
 LAGS = 2 ** np.arange(8)  # [range lines]
@@ -25,19 +26,17 @@ MOST_APART = 6  # layers
 MINIMUM_BLOCKS = 4
 STILL = 0.1  # root of a change [bins]: picks in whole bins that did not move
 TELLING = (1, 6)  # of layers two apart over 64 lines: a zone without has too few data
-KILOMETRE = 1000.0
 # Mean of the root of the change of a Gaussian variable, to the fourth, over its mean square.
 ROOTS = 0.457
 EXPONENTS = np.arange(25, 101) / 50  # of relief
 SLAB_EXPONENTS = np.arange(2, 40) / 20
-# Lengths of relief, in shortest lags: from half of it to 16 times the longest.
-LENGTHS = 2 ** np.arange(-1, 11.01, 0.125)
 ALIKE = 1e-6  # keeps shapes apart that the data hardly tell apart
 TINY = 1e-100
 # Share of the steps that whole-bin levelling makes, above which a product is taken to do so.
 LEVELLED_SHARE = 0.5
 LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
-ERROR_LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)  # [range lines] of the slow error
+# [range lines] of relief and of the slow error: from half a shortest lag to 8 times the longest.
+LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)
 
 
 def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
@@ -91,7 +90,7 @@ def fit_relief(change, lag_m):
     """
     apart, at = np.nonzero(change > 0)
     measured = change[apart, at]
-    length_m = lag_m[0] * ERROR_LENGTHS
+    length_m = lag_m[0] * LENGTHS
     away = lag_m[at] / length_m[:, None, None]
     relief = 4 * (1 - np.exp(-(away ** EXPONENTS[:, None]))) / measured
     slab = (lag_m[at] / KILOMETRE) ** SLAB_EXPONENTS[:, None] / measured
@@ -126,21 +125,21 @@ def surface_statistics(summary):
     ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. change of m from
     one range line to the next, and this change has a Gaussian correlation, too, of
     `surface_movement_length_m`; both are 0 where a product does not level in whole bins. The error
-    is that of least squares of relative residuals; its length is one of `ERROR_LENGTHS`.
+    is that of least squares of relative residuals; its length is one of `LENGTHS`.
     """
     rows = in_blocks(summary, "surface_bins")
     movement, n_lines = _movement(rows[np.isfinite(rows).all(axis=1)])
     spacing_m = np.median(summary["line_spacing_m"])
     change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in LAGS])
     told = change > 0
-    shape = 2 * (1 - np.exp(-((LAGS[told] / ERROR_LENGTHS[:, None]) ** 2))) / change[told]
+    shape = 2 * (1 - np.exp(-((LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
     target = 1 - LEVELLED_CHANGE * (movement > 0) / change[told]
     square = np.maximum((shape**2).sum(axis=1), TINY)
     variance = np.maximum((shape * target).sum(axis=1), 0) / square
     best = (variance**2 * square).argmax()
     return {
         "surface_error_bins": ((), np.sqrt(variance[best])),
-        "surface_error_length_m": ((), ERROR_LENGTHS[best] * spacing_m),
+        "surface_error_length_m": ((), LENGTHS[best] * spacing_m),
         "surface_movement_bins": ((), movement),
         "surface_movement_length_m": ((), n_lines * spacing_m),
     }

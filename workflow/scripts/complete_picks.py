@@ -3,7 +3,7 @@
 import numpy as np
 from job import job, progress
 
-from snowsim.cgan.picks import completed
+from lib.completed_picks import completed
 from snowsim.io.models import read_tracker
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import checked_card, rows_in_image, runner

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from snowsim.cgan.picks import completed
+from lib.completed_picks import completed
 from snowsim.echogram import Scene
 from snowsim.tracker import pick_layers
 
