@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference import checked_settings, draw_climate
+from reference import checked_settings, draw_climate, draw_frame
 from reference.column import draw_column
 from reference.radar import range_response
 from snowsim.seeding import random_stream
@@ -30,6 +30,17 @@ BARE = {"firn": BARE_FIRN, "radar": BARE_RADAR}
 def climate_of(reference, seed=1):
     settings = checked_settings(reference)
     return draw_climate(settings, rng=random_stream(seed, "climate"))
+
+
+def frames_of(reference, n_frames, n_range_lines, seed=1):
+    """Echogram and layers of frames of a short flight under these settings."""
+    settings = checked_settings(reference)
+    climate = draw_climate(settings, rng=np.random.default_rng(seed))
+    given = {"climate": climate, "settings": settings}
+    return [
+        draw_frame(i, n_frames, n_range_lines, **given, rng=np.random.default_rng(i))
+        for i in range(n_frames)
+    ]
 
 
 def column_at(climate, km, n_lines, n_bins_below, *, rng):

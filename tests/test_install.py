@@ -7,13 +7,12 @@ import tomllib
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
+from flights import frames_of
 from processes import run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
-from reference import checked_settings, draw_climate, draw_frame
 from snowsim.io.files import write_dataset
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -98,12 +97,9 @@ def test_what_is_built_works_in_a_bare_environment(built, tmp_path, monkeypatch,
 
 def write_frames(folder):
     """Two frames of the reference flight with their table."""
-    settings = checked_settings({"radar": {"n_range_bins": 1000}})
-    climate = draw_climate(settings, rng=np.random.default_rng(1))
     rows = ["frame\techogram\tlayers\trole"]
-    for index, role in enumerate(("statistics", "test")):
-        rng = np.random.default_rng(index)
-        echogram, layers = draw_frame(index, 2, 1024, climate=climate, settings=settings, rng=rng)
+    frames = frames_of({"radar": {"n_range_bins": 1000}}, 2, 1024)
+    for role, (echogram, layers) in zip(("statistics", "test"), frames, strict=True):
         write_dataset(folder / f"{role}_e.nc", echogram)
         write_dataset(folder / f"{role}_l.nc", layers)
         rows.append(f"{role}\t{role}_e.nc\t{role}_l.nc\t{role}")

@@ -12,7 +12,6 @@ from trainings import begun, same, trained
 from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.tracker.published import copy_at
 from snowsim.training import READ_EVERY, arithmetic
 
 CGAN = cgan.Settings(width=4, depth=4, n_steps=6, n_range_bins=64, n_range_lines=64)
@@ -71,28 +70,6 @@ def test_a_scene_that_cannot_be_trained_on_is_refused_in_one_line_whoever_reads_
     for n_workers in (0, 2):
         with pytest.raises(ValueError, match=r"^scene toy .*: expected a uint8 image[^\n]*$"):
             trained(TRACKER, scenes=[blank], n_workers=n_workers)
-
-
-def test_gradients_of_the_published_recipe_add_up_as_the_equation_says():
-    """Without the loop, the loader and the step: one update of four copies of scenes."""
-    settings = replace(PUBLISHED, n_steps=4)
-    found, _ = trained(settings)
-    training, _ = begun(settings)
-    shown = tracker.TrainingSet(toy_scenes(3), seed=1)
-    for step in range(4):
-        images, masks = copy_at(step, shown, settings, 1)
-        logits = training.network(training.network.to_input(images))
-        truth = torch.from_numpy(masks)[:, None].float()
-        share = truth.mean()
-        weight = torch.where(truth > 0, 1 - share, share)
-        cost = torch.nn.functional.binary_cross_entropy(
-            torch.sigmoid(logits), truth.expand_as(logits), reduction="none"
-        )
-        (0.25 * (cost * weight).sum()).backward()
-    training.optimiser.step()
-    for one, other in zip(found.network.parameters(), training.network.parameters(), strict=True):
-        # Sums of float32 in another order.
-        torch.testing.assert_close(one, other, rtol=1e-5, atol=1e-7)
 
 
 @pytest.mark.gpu

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
+from scipy.signal import periodogram
 
 from snowsim.echogram import Kind
 from snowsim.front import scenes
@@ -19,15 +20,6 @@ def as_printed(scale=40.0):
     psd[..., 1:] = scale * of_zone / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
     psd[..., -1] /= 2
     return planted().assign(thickness_psd=(("zone", "slab", "wavenumber"), psd))
-
-
-def block_density(series):
-    """One-sided periodogram by its definition, (wavenumber,), Nyquist not doubled."""
-    n = series.shape[-1]
-    turns = np.exp(-2j * np.pi * np.outer(np.arange(n // 2 + 1), np.arange(n)) / n)
-    density = 2 * np.abs((series - series.mean(axis=-1, keepdims=True)) @ turns.T) ** 2 / n
-    density[..., -1] /= 2
-    return density
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +51,7 @@ def test_slabs_have_the_spectrum_of_their_zone_and_undulate_apart(drawn):
         thickness = np.diff(scene.layer_bins, axis=0)
         n = min(len(thickness), 20)
         density += [
-            block_density(thickness[:n]).sum(axis=0)[1:],
+            periodogram(thickness[:n])[1].sum(axis=0)[1:],
             psd[scene.zone, :n].sum(axis=0)[1:],
         ]
         about = thickness - thickness.mean(axis=1, keepdims=True)

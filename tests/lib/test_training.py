@@ -1,20 +1,22 @@
-"""What a training leaves on disk is checked when it is taken up again.
+"""A training goes on from what it left on disk, which is checked; missing memory is named."""
 
-Memory that is missing is named.
-"""
+import logging
 
+import numpy as np
+import pandas as pd
 import pytest
 import torch
 from formats import refused
 
+from lib.cgan_training import note_saturation
 from lib.training import TrainingRun, check_memory, enough_memory
 
 
 class Counter:
     """A training that counts: what it has added up is all its state."""
 
-    def __init__(self, fails_after=None):
-        self.step, self.total, self.fails_after = 0, 0.0, fails_after
+    def __init__(self, fails_after=None, error=KeyboardInterrupt):
+        self.step, self.total, self.fails_after, self.error = 0, 0.0, fails_after, error
 
     def state(self):
         return {"total": torch.tensor([self.total], dtype=torch.float64)}
@@ -25,7 +27,7 @@ class Counter:
     def steps(self, n):
         while self.step < n:
             if self.step == self.fails_after:
-                raise KeyboardInterrupt
+                raise self.error
             self.step += 1
             self.total += 1 / self.step
             yield self.step, {"zeta": self.total, "alpha": 1 / self.step}
@@ -44,6 +46,21 @@ def unfinished(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         counted(path, Counter(fails_after=15))
     return path
+
+
+def test_an_interrupted_training_ends_as_one_that_was_left_alone(unfinished, tmp_path):
+    whole = counted(tmp_path / "whole.safetensors", Counter())
+    # Begun anew it would fail.
+    resumed = counted(unfinished, Counter(fails_after=10, error=AssertionError))
+    assert resumed.training.total == whole.training.total
+    pd.testing.assert_frame_equal(resumed.losses(), whole.losses())
+    assert not unfinished.exists()
+
+
+def test_a_training_that_diverges_leaves_no_checkpoint(unfinished):
+    with pytest.raises(FloatingPointError):
+        counted(unfinished, Counter(fails_after=20, error=FloatingPointError))
+    assert not unfinished.exists()
 
 
 def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished):
@@ -72,3 +89,14 @@ def test_too_little_memory_is_one_line():
     assert "\n" not in str(error.value)
     with pytest.raises(RuntimeError, match="shape"), enough_memory("a tensor"):
         torch.ones(2).reshape(3)
+
+
+@pytest.mark.parametrize(("share", "warns"), [(0.05, True), (0.97, False)])
+def test_a_saturated_discriminator_is_noted(share, warns, caplog):
+    # Early losses count no more.
+    share = np.r_[np.full(50, 1 - share), np.full(200, share)]
+    loss = share * np.log(2)
+    losses = pd.DataFrame({"discriminator_real": 0.5 * loss, "discriminator_fake": 1.5 * loss})
+    with caplog.at_level(logging.WARNING):
+        note_saturation(losses)
+    assert ("discriminator saturated" in caplog.text) == warns

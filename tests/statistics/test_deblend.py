@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
+from flights import frames_of
 from numpy.testing import assert_allclose
 from planted import waveform
 
-from reference import checked_settings, draw_climate, draw_frame
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.deblend import Groups, deblend, prepare_line, waveform_columns
 from snowsim.statistics.paper import measure_groups
@@ -120,10 +120,7 @@ def test_a_surface_far_wider_than_its_pick_is_no_solution():
     radar |= {"sidelobe_db": -33.98, "band_noise_db": -3.862}
     climate = {"accumulation_factor": 1.126, "anomaly_sd": 0.1818, "undulation_sd": 0.08852}
     climate |= {"drift_sd": 0.08467, "relief_sd": 0.0567, "open_year": 0.7883}
-    settings = checked_settings({"climate": climate, "firn": firn, "radar": radar})
-    common = {"settings": settings}
-    common["climate"] = draw_climate(settings, rng=np.random.default_rng(2004))
-    frames = [draw_frame(i, 2, 256, **common, rng=np.random.default_rng(i)) for i in range(2)]
+    frames = frames_of({"climate": climate, "firn": firn, "radar": radar}, 2, 256, seed=2004)
     statistics = estimate(merge(summarise(*frame) for frame in frames))
     # In the flight itself .79; the surface is set to power 1.
     assert_allclose(statistics["variance_bins2"][0], 0.79, rtol=0.2)

@@ -5,18 +5,15 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
+from flights import frames_of
 
-from reference import checked_settings, draw_climate, draw_frame
 from snowsim.statistics import fit
 from snowsim.statistics.summaries import looks_like_amplitude
 
 
 @pytest.fixture(scope="module")
 def frames():
-    settings = checked_settings({"radar": {"n_range_bins": 400}})
-    climate = draw_climate(settings, rng=np.random.default_rng(1))
-    common = {"climate": climate, "settings": settings}
-    drawn = [draw_frame(i, 2, 768, **common, rng=np.random.default_rng(i)) for i in range(2)]
+    drawn = frames_of({"radar": {"n_range_bins": 400}}, 2, 768)
     # Fewer layers are fitted faster.
     return [(echogram, layers.isel(layer=slice(8))) for echogram, layers in drawn]
 
