@@ -177,6 +177,7 @@ def open_segment(paths):
     ValueError
         In one line: no file, one that `read_layers` refuses, or frames that overlap in time.
     """
+    import itertools
     from pathlib import Path
 
     import numpy as np
@@ -196,6 +197,10 @@ def open_segment(paths):
         names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
         frames.append(layers.assign_coords(frame=names))
     frames.sort(key=lambda frame: frame["slow_time"].values[0])
+    for first, second in itertools.pairwise(frames):
+        if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
+            names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
+            raise refusal(where, names, "frames that follow one another", "frames overlap in time")
     joined = xr.concat(
         frames,
         "slow_time",

@@ -81,13 +81,13 @@ def _stages(accumulation_m, temperature_k, surface_density_kg_m3):
     return Stages(k0, k1, accumulation_m**-0.5, np.log(span) / k0)
 
 
-def temperature_fausto09(height_m, latitude, longitude):
-    """Mean annual air temperature [K] on Greenland's ice at a height [m], degrees north and east.
+def temperature_fausto09(elevation_m, latitude, longitude):
+    """Annual mean air temperature over Greenland [K]; latitude and longitude in degrees N and E.
 
-    ``41.83 - 6.309e-3 z - .7189 lat - .0672 lon`` [deg C], eq. (1) of Fausto et al. (2009), J.
-    Glaciol. 55(189), 95-105.
+    ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
+    As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
     """
-    return 314.98 - 6.309e-3 * height_m - 0.7189 * latitude - 0.0672 * longitude
+    return 273.15 + 41.83 - 6.309e-3 * elevation_m - 0.7189 * latitude + 0.0672 * -longitude
 
 
 def _logit(density_kg_m3):

@@ -5,9 +5,10 @@ from numpy.testing import assert_allclose
 
 from reference import checked_settings
 from reference.climate import draw_waves
-from reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
+from reference.line import line_coordinates, line_length_km, place_at
 from reference.settings import Settings, check_window
 from snowsim.snowpack.along_track import draw_along_track
+from snowsim.snowpack.firn import temperature_fausto09
 
 
 def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances():

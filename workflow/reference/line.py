@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.constants import EARTH_RADIUS_M
+from snowsim.snowpack.firn import temperature_fausto09
 
 # The great circle from central Greenland to the north-west: (degrees north, degrees east).
 LINE_START = (69.0, -38.5)
@@ -61,15 +62,6 @@ def _profile(values, fraction):
     from scipy.interpolate import PchipInterpolator
 
     return PchipInterpolator(PROFILE_FRACTION, values)(fraction)
-
-
-def temperature_fausto09(elevation_m, latitude, longitude):
-    """Annual mean air temperature over Greenland [K]; latitude and longitude in degrees N and E.
-
-    ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
-    As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
-    """
-    return 273.15 + 41.83 - 6.309e-3 * elevation_m - 0.7189 * latitude + 0.0672 * -longitude
 
 
 def line_length_km():
