@@ -34,12 +34,12 @@ POSITION = ("Latitude", "Longitude", "Elevation")
 # entries win a tie.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
+    "opr": ("an Open Polar Radar echogram", ("Data", "slow_time", "twtt", *POSITION)),
+    "opr_layers": ("Open Polar Radar layers", ("twtt", "slow_time", "quality", "type")),
     "cresis": ("a CReSIS L1B echogram", ("Data", "Time", *POSITION, "GPS_time")),
     "cresis_layer": ("CReSIS layers", ("twtt", "id", "gps_time")),
     "cresis_layer_data": ("old CReSIS layers", ("layerData", "GPS_time")),
     "organizer": ("a CReSIS layer organizer", ("lyr_id", "lyr_name")),
-    "opr": ("an Open Polar Radar echogram", ("Data", "slow_time", "twtt", *POSITION)),
-    "opr_layers": ("Open Polar Radar layers", ("twtt", "slow_time", "quality", "type")),
     "scenes": ("a set of scenes", ("layer_bins", "n_range_bins", "n_layers")),
     "scene": ("an exported scene", ("layer_bins", "mask")),
     "statistics": ("statistics of a flight", ("peak_power", "variance_bins2", "zone_edge_bins")),
@@ -85,8 +85,8 @@ COMPLEX = 0x800
 class Stored:
     """What a file holds: names of its variables, and what reads them.
 
-    `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store, `read(names)` of a MAT file
-    a dict of those of the names that it has.
+    `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store; `read(names)`, of MAT files
+    too, gives a dict of those of the names that are there.
     """
 
     names: frozenset
@@ -233,21 +233,26 @@ def _labelled(source, **how):
     return Stored(frozenset(dataset.variables), partial(_read_labelled, dataset))
 
 
-def _read_labelled(dataset):
+def _read_labelled(dataset, names=None):
     """Dataset in memory, with what attributes of CF tell applied: scale, fill values, times.
+
+    Of `names`, their values alone, as of a MAT file.
 
     A fill value that no attribute tells hides nothing, and durations stay numbers: rounded to
     nanoseconds they would lose their range bins.
     """
     times = xr.coders.CFDatetimeCoder(use_cftime=False)
     try:
-        return xr.decode_cf(dataset, decode_times=times, decode_timedelta=False).load()
+        dataset = xr.decode_cf(dataset, decode_times=times, decode_timedelta=False).load()
     except (ValueError, OverflowError) as error:
         for name, variable in dataset.variables.items():
             units = str(variable.attrs.get("units", ""))
             if " since " in units and units in str(error):
                 raise refusal(None, name, "units of time that CF allows", repr(units)) from error
         raise
+    if names is None:
+        return dataset
+    return {name: dataset[name].values for name in names if name in dataset}
 
 
 def _read_mat5(file, shapes, names):

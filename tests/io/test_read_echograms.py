@@ -272,7 +272,9 @@ XOPR = {"granule": "20120330_04_001", "mimetype": "application/x-hdf5", "source_
 def with_gps_time(dataset, gps_time, **attributes):
     """A dataset as xopr makes it: GPS seconds taken for UTC."""
     slow_time = pd.to_datetime(gps_time, unit="s")
-    return dataset.assign_coords(slow_time=slow_time).assign_attrs(attributes)
+    dataset = dataset.assign_coords(slow_time=slow_time).assign_attrs(attributes)
+    # What it had them from stays, where it read MAT v5.
+    return dataset.assign(GPS_time=("slow_time", gps_time), Time=("twtt", dataset["twtt"].values))
 
 
 @pytest.mark.parametrize("told", [XOPR, {"source_url": "https://x/y"}], ids=["all", "one"])
@@ -349,6 +351,15 @@ def test_units_of_time_that_cf_allows_are_read(path, content, units, per_second)
     late = read_echogram(path)["slow_time"].values - formats.slow_time(content["GPS_time"])
     # Doubles of days lie 1e-12 days apart at worst.
     assert (np.abs(late) < np.timedelta64(1, "us")).all()
+
+
+def test_an_l1b_file_rewritten_as_netcdf_is_read_by_its_names(path, content):
+    arrays = {"Data": (("t", "x"), content["Data"]), "Time": ("t", content["Time"])}
+    along = {name: ("x", values) for name, values in content.items() if name not in arrays}
+    xr.Dataset(arrays | along).to_netcdf(path)
+    echogram = read_echogram(path)
+    assert_array_equal(echogram["Data"], content["Data"])
+    formats.check_times(echogram, content["GPS_time"])
 
 
 @pytest.mark.parametrize("write", [formats.write_nsidc, WRITERS["opr"]], ids=["nsidc", "opr"])
