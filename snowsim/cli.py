@@ -594,8 +594,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     path_by_year = path.with_name(f"{path.stem}_years.csv")
     paths = [path, path_by_year, picture] if png else [path, path_by_year]
     check_outputs(paths, force, ".csv", ".nc", ".gpkg")
-    layers = open_segment(files)
     with echo_warnings():
+        layers = open_segment(files)
         density = density_of(density, {name: settings.pop(name) for name in PROFILE})
         found = accumulation(layers, density, year=year_of(years), **settings)
     rows = table(found)

@@ -36,12 +36,12 @@ SECONDS = {
 }
 AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
 ALONG_TRACK = [name for name in UNITS if name not in AXES]
-# Of an echogram in decibels: from the weakest pixel to the strongest; and the median as a share of
-# the strongest, where no pixel is negative.
+# Span of an echogram in decibels, from the weakest pixel to the strongest; and its median as a
+# share of the strongest, where no pixel is negative.
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
 LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
-# Of all that a file tells, this much goes with the dataset.
+# Parameters of a file that go with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")

@@ -1,6 +1,7 @@
 """Layer files of every format, read and written."""
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,8 @@ PICKS = {
     "type": {"flag_values": "1 manual, 2 automatic"},
 }
 GOOD, MANUAL, AUTOMATIC = 1, 1, 2
-# Of new files' names those of old ones, and of Open Polar Radar.
+FAR_S = 2e-7  # 30 m of air: so far the surface of one line cannot lie above that of all others
+# Names in old files, and of Open Polar Radar, by those of new ones.
 RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 POSITIONS = ("Latitude", "Longitude", "Elevation")
 
@@ -112,9 +114,28 @@ def chosen(dataset, names, missing, where):
         raise refusal(where, "layer", expected, f"them in {found}")
     if named:
         keep = keep[order_from_surface(dataset["twtt"].values[keep], list(labels[keep]))]
-    dataset = dataset.isel(layer=keep)
+    dataset = _without_placeholders(dataset.isel(layer=keep), where)
     check_layers(dataset, str(where))
     return dataset
+
+
+def _without_placeholders(dataset, where):
+    """Layers without lines of the uppermost that hold one time far above the others; warns of it.
+
+    It stands for the first range bin, where nobody picked.
+    """
+    surface_s = dataset["twtt"][0].values
+    first_s = np.min(surface_s, where=np.isfinite(surface_s), initial=np.inf)
+    is_first = surface_s == first_s
+    next_s = np.min(surface_s, where=surface_s > first_s, initial=np.inf)
+    if is_first.sum() < 2 or not FAR_S < next_s - first_s < np.inf:
+        return dataset
+    msg = f"{where}: twtt: {is_first.sum()} range lines have their surface at {first_s:.6g} s, "
+    msg += f"{next_s - first_s:.2g} s above all others: taken for lines that nobody picked"
+    warnings.warn(msg, UserWarning, stacklevel=4)
+    is_uppermost = np.arange(dataset.sizes["layer"])[:, None] == 0
+    picked = xr.DataArray(~(is_uppermost & is_first), dims=AXES)
+    return dataset.assign(twtt=dataset["twtt"].where(picked))
 
 
 def order_from_surface(twtt, names):

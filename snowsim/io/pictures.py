@@ -8,7 +8,7 @@ from snowsim.echogram import along_track_m, to_db
 from snowsim.io.files import written_whole
 
 NEEDED = "pictures need matplotlib: pip install 'snowsim[plot]'"
-# Of picks by quality.
+# Colours of picks by quality.
 COLOURS = {1: ("good", "#009e73"), 2: ("moderate", "#f0a000"), 3: ("bad", "#d50000")}
 TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
 SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick

@@ -14,7 +14,7 @@ from snowsim.io.files import library_errors, listed, picture_format, refusal
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
-# Of the published predictor, beside its outputs: sums and strips of them.
+# Folders of the published predictor beside its outputs: sums and strips of them.
 PICTURES = ("merge", "jpg_out")
 # How names of files begin, those of labels first.
 LABELLED = ("layer_binary_", "layer_", "scene_", "", "data_")

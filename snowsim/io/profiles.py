@@ -187,7 +187,7 @@ def _fitting(density):
 
 
 def _likely_place(depth_m, thickness_m):
-    """Of which end of samples depths are, as the first of them tells, or None."""
+    """Place in samples that depths are given for, as the first of them tells, or None."""
     first_m = depth_m[0]
     sample_m = np.diff(depth_m, append=np.inf)[0] if thickness_m is None else thickness_m[0]
     if first_m == 0:

@@ -11,7 +11,7 @@ from snowsim.io.containers import check_heaps
 from snowsim.io.files import BadFile, library_errors, written_whole
 
 FORMAT = "snowsim scenes 2"
-# Of every variable its type, its first dimension, `scene` or one along which scenes stand below
+# Type of every variable, its first dimension, `scene` or one along which scenes stand below
 # each other, and its unit.
 SCENE = {
     "image": ("u1", "pixel_row", None),

@@ -120,6 +120,18 @@ def test_zero_is_no_travel_time_in_layers_of_any_format(path, form):
     assert_array_equal(twtt, np.where(np.array([surface, below]) == 0, np.nan, [SURFACE, KOENIG_2]))
 
 
+def test_a_surface_at_the_first_bin_where_nobody_picked_is_left_out_with_a_warning(path):
+    surface = SURFACE.copy()
+    surface[5:9] = SURFACE.min() - 3e-7
+    below = np.where(np.arange(N_LINES) < 20, KOENIG_2, np.nan)
+    formats.opr_layers([surface, below], GPS_TIME, ["surface", "Koenig_2"]).to_netcdf(path)
+    with pytest.warns(UserWarning, match="4 range lines have their surface at 2.7e-06 s, 3e-07"):
+        layers = read_layers(path)
+    assert_array_equal(layers["twtt"][0], np.where(surface == SURFACE, SURFACE, np.nan))
+    assert_array_equal(layers["twtt"][1], below)
+    assert layers["twtt"].attrs["units"] == "s"
+
+
 @pytest.mark.parametrize("names", [None, ["Koenig_2", "surface"]])
 def test_open_polar_radar_layers_read_back(path, names):
     rows = [KOENIG_2, SURFACE] if names else [SURFACE, KOENIG_2]
