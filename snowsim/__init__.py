@@ -12,17 +12,7 @@ FRONT |= dict.fromkeys(
 )
 FRONT |= dict.fromkeys(("Tracker", "list_pretrained"), "snowsim.tracking")
 
-__all__ = [
-    "Climate",
-    "Radar",
-    "Snowpack",
-    "Tracker",
-    "accumulation",
-    "list_pretrained",
-    "scenes",
-    "score_folders",
-    "simulate",
-]
+__all__ = sorted(FRONT)
 
 
 def __getattr__(name):

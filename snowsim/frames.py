@@ -103,13 +103,11 @@ def flatten(echogram, layers, *, method="surface"):
         bins = layer_bins_of(layers, echogram)[0]
     else:
         bins = echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s)
-    known = np.isfinite(bins)
-    if not known.any():
+    if not np.isfinite(bins).any():
         msg = f"{method} is nowhere known, so the frame cannot be levelled"
         raise ValueError(msg)
-    lines = np.arange(bins.size)
+    bridged = pd.Series(bins).interpolate(limit_direction="both").to_numpy()
     # Halves go up, not to even: a shift by whole bins must not change how a row is rounded.
-    bridged = np.interp(lines, lines[known], bins[known])
     rows = np.floor(bridged + 0.5).astype(int)
     shift = int(np.floor(np.median(rows))) - rows
     if not shift.any():
@@ -129,9 +127,14 @@ def shifted(echogram, shift):
     for line, top in enumerate(shift - lowest):
         moved[top : top + n_bins, line] = power[:, line]
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
-    level = echogram.drop_vars(["Data", "twtt"]).assign_coords(twtt=("twtt", twtt, {"units": "s"}))
-    level["Data"] = (("twtt", "slow_time"), moved, echogram["Data"].attrs)
-    return _delayed(level, ("Surface", "Bottom"), shift * bin_s)
+    return _delayed(_of_bins(echogram, moved, twtt), ("Surface", "Bottom"), shift * bin_s)
+
+
+def _of_bins(echogram, power, twtt):
+    """Echogram with the power (twtt, slow_time) of other range bins."""
+    others = echogram.drop_vars(["Data", "twtt"])
+    others = others.assign_coords(twtt=("twtt", twtt, {"units": "s"}))
+    return others.assign(Data=(("twtt", "slow_time"), power, echogram["Data"].attrs))
 
 
 def _delayed(dataset, times, delay_s):
@@ -169,11 +172,7 @@ def resample_range(echogram, bin_s):
     resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
     first_s = float(echogram["twtt"].values[0])
     twtt = first_s + bin_s * np.arange(n_rows)
-    dataset = echogram.drop_vars(["Data", "twtt"]).assign_coords(
-        twtt=("twtt", twtt, {"units": "s"})
-    )
-    resampled = resampled.astype(power.dtype, copy=False)
-    dataset["Data"] = (("twtt", "slow_time"), resampled, echogram["Data"].attrs)
+    dataset = _of_bins(echogram, resampled.astype(power.dtype, copy=False), twtt)
     return dataset.assign_attrs(resampled_from_bin_size_s=present_s)
 
 

@@ -5,6 +5,7 @@ of an image, so that they compare once divided by the mean level of the scene's 
 """
 
 import numpy as np
+import pandas as pd
 import torch
 from scipy.ndimage import gaussian_filter, uniform_filter1d
 
@@ -92,13 +93,9 @@ def is_snow(inputs):
 
 def _without_gaps(layer_bins):
     """Layers that are there at all, straight across their gaps."""
-    lines = np.arange(layer_bins.shape[1])
-    whole = []
-    for row in layer_bins:
-        present = np.isfinite(row)
-        if present.any():
-            whole.append(np.interp(lines, lines[present], row[present]))
-    return np.array(whole)
+    is_there = np.isfinite(layer_bins).any(axis=1)
+    by_line = pd.DataFrame(layer_bins[is_there].T.astype(float))
+    return by_line.interpolate(limit_direction="both").to_numpy().T
 
 
 def _levels(image, layer_bins):
