@@ -23,13 +23,13 @@ from torch.utils.flop_counter import FlopCounterMode
 import snowsim.training
 from snowsim import cgan, tracker
 from snowsim.echogram import Scene
-from snowsim.settings.cgan import PAPER
+from snowsim.settings import CGAN
 
 N_SCENES, N_HEIGHTS, FIRST_HEIGHT, HEIGHT_STEP, N_LINES = 60, 22, 300, 24, 256
 N_WORKERS = 7
 # Gradients of the four training sets and steps of the cGAN, config/paper.yaml.
 N_TRACKER, N_CGAN = 177_000 + 2 * 289_500 + 402_000, 472_000
-PIX2PIX = replace(PAPER, width=64)
+PIX2PIX = replace(CGAN["paper"], width=64)
 TRAININGS = {
     "tracker published, width 64": tracker.published_settings(width=64),
     "cGAN paper, width 64": PIX2PIX,

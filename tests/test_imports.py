@@ -113,7 +113,7 @@ def loaded_with(*names):
 def test_the_configuration_is_checked_without_what_draws_and_trains():
     # Every start of the workflow checks it, dry runs included.
     loaded = loaded_with("lib.configuration")
-    assert {"snowsim.settings.cgan", "reference.settings"} <= loaded
+    assert {"snowsim.settings", "reference.settings"} <= loaded
     assert not loaded & {"scipy", "torch", "xarray", "numba", "pandas", "reference.echo"}
 
 

@@ -8,7 +8,7 @@ from snowsim.cgan.train import (
     train_steps,
     trained_generator,
 )
-from snowsim.settings.cgan import Settings
+from snowsim.settings import CganSettings as Settings
 
 __all__ = [
     "Settings",

@@ -6,7 +6,8 @@ Names are loaded when asked for, so that tracking needs no torch, and training n
 import importlib
 
 from snowsim.constants import OUTPUTS
-from snowsim.settings.tracker import Settings, published_settings
+from snowsim.settings import TrackerSettings as Settings
+from snowsim.settings import published_settings
 
 # Names of the package, by the module they are in.
 MODULES = {

@@ -12,10 +12,10 @@ from trainings import trained
 
 from snowsim.cgan import Training, networks_of, render
 from snowsim.cgan.pix2pix import Generator, draw_batch, jittered, prepared, take_step
-from snowsim.settings.cgan import PAPER
+from snowsim.settings import CGAN
 
-FULL = replace(PAPER, width=64)
-SMALL = replace(PAPER, width=3, depth=4, n_range_bins=32, n_range_lines=32)
+FULL = replace(CGAN["paper"], width=64)
+SMALL = replace(CGAN["paper"], width=3, depth=4, n_range_bins=32, n_range_lines=32)
 
 
 def test_networks_have_the_published_numbers_of_weights():

@@ -10,9 +10,7 @@ import jsonschema
 import yaml
 
 from reference.settings import PROFILES, replaced
-from snowsim.settings.cgan import RECIPES as CGAN
-from snowsim.settings.phy import RECIPES as PHY
-from snowsim.settings.tracker import RECIPES as TRACKER
+from snowsim.settings import CGAN, PHY, TRACKER
 
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # Recipes of each stage by name; the first is the default.
