@@ -7,12 +7,15 @@ import tomllib
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from flights import frames_of
+from numpy.testing import assert_array_equal
 from processes import run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
+from snowsim.io import read_layers
 from snowsim.io.files import write_dataset
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -121,19 +124,45 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(
     assert run_in(tmp_path, python, "-I", "script.py").strip()
 
 
+# xopr reads the layer file that it is given.
+XOPR = """
+import sys
+import numpy as np
+from xopr.opr_access import OPRConnection
+connection = OPRConnection(stac_parquet_href="none.parquet", sync_catalogs=False)
+np.save("xopr.npy", connection.load_layers_file(sys.argv[1])["twtt"].values)
+"""
+MOST_MB = 180  # that tracking may add: onnxruntime, and matplotlib with 56
+
+
+def megabytes(folder):
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
+
+
 @pytest.mark.slow
-def test_one_trains_on_scenes_and_tracks_with_the_network(built, tmp_path, monkeypatch):
+def test_one_tracks_without_torch_what_others_read_and_trains_with_it(built, tmp_path, monkeypatch):
     write_frames(tmp_path)
     monkeypatch.delenv("PYTHONPATH", raising=False)
-    bare(tmp_path, f"{next(built.glob('*.whl'))}[track]")
+    wheel = next(built.glob("*.whl"))
+    bare(tmp_path, wheel)
+    pip = partial(run_in, tmp_path, "bare/bin/python", "-m", "pip")
+    run = partial(run_in, tmp_path, "bare/bin/snowsim")
+    before = megabytes(tmp_path / "bare/lib")
+    pip("install", "-q", "--no-compile", f"{wheel}[track]")
+    assert megabytes(tmp_path / "bare/lib") - before < MOST_MB
+    assert "torch" not in pip("list")
+    run("track", "test_e.nc", "-o", "shipped")
+    pip("install", "-q", "xopr==0.6.0")
+    [layer_file] = tmp_path.glob("shipped/CSARP_layer/*/Data_*.mat")
+    run_in(tmp_path, "bare/bin/python", "-c", XOPR, layer_file)
+    assert_array_equal(np.load(tmp_path / "xopr.npy"), read_layers(layer_file)["twtt"])
     # The CPU build of torch first, as README says; then what else `learn` needs.
     version, index = (
         re.search(rf"^{name} \S*= (\S+)", (ROOT / "Makefile").read_text(), re.MULTILINE)[1]
         for name in ("TORCH_VERSION", "TORCH_INDEX")
     )
     run_in(tmp_path, "bare/bin/python", ROOT / "envs/install_torch.py", version, index)
-    run_in(tmp_path, "bare/bin/python", "-m", "pip", "install", "-q", "onnx", "safetensors")
-    run = partial(run_in, tmp_path, "bare/bin/snowsim")
+    pip("install", "-q", "onnx", "safetensors")
     run("scenes", "drawn", "-n", 30, "--range-bins", 400)
     run("train", "drawn", "-o", "mine.onnx", "--from", "universal", "--steps", 20)
     run("track", "test_e.nc", "-o", "picked", "--model", "mine.onnx")
