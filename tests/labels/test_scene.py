@@ -9,14 +9,10 @@ from snowsim.echogram import check_layer_bins, scene_height
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.labels import draw, draw_scene, prepare
-from snowsim.labels.undulations import (
-    Relief,
-    draw_stationary,
-    draw_undulations,
-)
+from snowsim.labels.undulations import draw_stationary
 from snowsim.seeding import random_stream
 
-LAGS = np.array([1, 4, 16, 64])
+LAGS = np.array([1, 4, 16, 64, N_LINES - 1])  # scenes do not meet their own beginning again
 
 
 def change_of(series, lag):
@@ -95,21 +91,9 @@ def test_layers_and_slabs_change_by_the_law_of_the_zone(drawn, zone):
         of_layer, of_slab = law_of(zone, lag)
         for apart in (1, 3):
             found = [change_of(bins[apart:] - bins[:-apart], lag) for bins in scenes]
-            # 250 scenes of 3 to 8 layers: at 64 lines some 700 independent changes, whose mean
+            # 250 scenes of 3 to 8 layers: from 64 lines on some 700 independent changes, whose mean
             # square is known to sqrt(2 / 700) = 5 %; allow four.
             assert_allclose(np.mean(found), 2 * of_layer + apart * of_slab, rtol=0.2)
-
-
-def test_stationary_series_have_the_covariance_asked_for(rng):
-    lag = np.arange(257)
-    covariance = 2.0 * np.exp(-((lag / 30) ** 1.9))
-    series = draw_stationary(np.tile(covariance, (4000, 1)), N_LINES, rng=rng)
-    # 4000 series: products to 2 / sqrt(4000) = 3 % of the variance; allow four.
-    for h in (0, 10, 30, 100, 255):
-        found = (series[:, : N_LINES - h] * series[:, h:]).mean()
-        assert_allclose(found, covariance[h], atol=0.25)
-    # A periodic series would have the two equal.
-    assert (series[:, 0] - series[:, -1]).var() > 3
 
 
 def test_a_covariance_that_no_circle_holds_keeps_its_variance(rng):
@@ -117,13 +101,6 @@ def test_a_covariance_that_no_circle_holds_keeps_its_variance(rng):
     covariance = 1.0 * (np.arange(65) < 40)
     series = draw_stationary(np.tile(covariance, (4000, 1)), 64, rng=rng)
     assert_allclose(series.var(), 1, rtol=4 * np.sqrt(2 / 4000))
-
-
-def test_undulations_have_no_mean_and_grow_with_length(rng):
-    law = Relief(1.0, 1e5, 1.2, 2.0, 1.9)
-    short, long = (draw_undulations(law, 200, n, SPACING_M, rng=rng) for n in (64, 512))
-    assert_allclose(short.mean(axis=1), 0, atol=1e-12)
-    assert long.var() > 10 * short.var()
 
 
 def test_the_surface_moves_slowly_and_by_what_levelling_leaves(drawn):
@@ -208,7 +185,7 @@ def test_layers_of_the_packaged_flight_change_along_track_as_annotated_ones():
         annotated.append(truth.complete_layer_bins)
     model = prepare(read_dataset(REFERENCE), N_LINES)
     drawn = [draw(model, N_LINES, rng=np.random.default_rng(number)) for number in range(200)]
-    for lag in LAGS[1:]:
+    for lag in LAGS[1:-1]:
         # From line to line, whole-bin picks do not tell; the median of 20 scenes scatters by a
         # fifth.
         assert 0.5 < median_change(drawn, lag) / median_change(annotated, lag) < 2

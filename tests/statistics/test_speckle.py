@@ -3,8 +3,8 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 
-from snowsim.statistics import merge, summarise
-from snowsim.statistics.speckle import compare_with_gamma, doppler_spectra, range_correlation
+from snowsim.statistics import doppler_spectra, merge, summarise
+from snowsim.statistics.speckle import compare_with_gamma, range_correlation
 
 
 @pytest.mark.parametrize("n_looks", [1, 5, 100])
