@@ -125,6 +125,9 @@ def accumulation(
     bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)
+    if len(picks.names) < 2:
+        msg = "layers: expected two horizons on a range line, found none below the surface"
+        raise ValueError(msg)
     check_values("density_error", density_error, 0, 1)
     annual = "confidence" not in layers if annual is None else annual
     firn = {}
