@@ -205,6 +205,12 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
     "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
 )
 @click.option(
+    "--thresholds",
+    type=click.Choice(["quantiles", "published"]),
+    default="quantiles",
+    help="Quantiles of the maps, or .01 to .99 as the published code has them.",
+)
+@click.option(
     "--matched-only", is_flag=True, help="Leave truth without a prediction out of the scores."
 )
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")

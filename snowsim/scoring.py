@@ -13,13 +13,15 @@ from snowsim.io.files import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
 from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import (
-    COUNTS,
+    CURVATURE,
     METRICS,
     THRESHOLDS,
     match_counts,
+    of_images,
     score,
     stack_counts,
     suppress,
+    thresholds_of,
 )
 from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
 from snowsim.progress import shown
@@ -30,7 +32,6 @@ ABOVE_0 = ("max_distance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 # Largest difference between the times of a range line in two files.
 SAME_TIME = np.timedelta64(1, "ms")
-FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
     "mean_absolute_error_bins",
     "bias_bins",
@@ -48,6 +49,7 @@ def score_folders(
     *,
     output=None,
     picks=False,
+    thresholds="quantiles",
     matched_only=False,
     suppressed=False,
     tolerance=0.0075,
@@ -74,6 +76,9 @@ def score_folders(
         as `snowsim.io.read_layers` takes them and `snowsim track` writes them; they have no edge
         scores. Else picks are followed through the edge maps, at the threshold of the best F of
         the set.
+    thresholds : {"quantiles", "published"}
+        Edge maps are scored at `snowsim.metrics.edges.thresholds_of` all of them, so that their
+        scale does not count; or as the published code does, at 0.01 to 0.99.
     matched_only : bool
         Leave truth without a prediction out.
     suppressed : bool
@@ -98,7 +103,7 @@ def score_folders(
         `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
         `n_missed_layers`, `n_false_layers`. ``table.attrs["notes"]`` lists in sentences what to
         know of the set: which predictions or truths are missing, which truth has no layer or was
-        thinned, why AP is low or 0.
+        thinned, why AP is 0.
 
     Raises
     ------
@@ -128,11 +133,8 @@ def score_folders(
         "processes": processes,
         "bin_s": bin_s,
     }
-    for name, value in numbers.items():
-        if name in WHOLE:
-            check_count(name, value, WHOLE[name])
-        elif value is not None or name not in OPTIONAL:
-            check_values(name, value, 0, above=name in ABOVE_0, number=True)
+    _check_settings(thresholds, numbers)
+    as_published = thresholds == "published"
     truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
     with ExitStack() as stack:
@@ -142,15 +144,22 @@ def score_folders(
             steps = mapped(partial(function, **settings), pairs)
             return list(shown(steps, len(pairs), unit="image"))
 
-        threshold = counts = None
+        threshold = counts = scored = None
         if not picks:
+            edges = partial(_edges, suppressed=suppressed, as_published=as_published)
+            levels = THRESHOLDS if as_published else thresholds_of(each(_found, edges=edges))
             counts = each(
-                _count, suppressed=suppressed, max_dist=tolerance, max_dist_pixels=tolerance_bins
+                _count,
+                edges=edges,
+                thresholds=levels,
+                max_dist=tolerance,
+                max_dist_pixels=tolerance_bins,
             )
-            threshold = score(counts, THRESHOLDS)["ods_threshold"]
+            scored = partial(score, thresholds=levels, as_published=as_published)
+            # Picks need a threshold below 1, which maps of one level do not have.
+            threshold = min(scored(counts)["ods_threshold"], THRESHOLDS[-1])
         rows = each(
             _pick,
-            suppressed=suppressed,
             threshold=threshold,
             bin_s=bin_s,
             max_distance_bins=max_distance_bins,
@@ -161,12 +170,24 @@ def score_folders(
         raise refusal(truth, "truth", "at least one layer", "none")
     names = [name for name, _, _ in pairs]
     rng = np.random.default_rng(seed)
-    table = _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
+    table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(truths, left_out, matched_only, without_layers, len(pairs))
     if not picks:
         notes += _notes_of_maps(counts, names, table.iloc[-3])
     table.attrs["notes"] = notes
     return table
+
+
+def _check_settings(thresholds, numbers):
+    """ValueError if settings of `score_folders` are out of range."""
+    if thresholds not in ("quantiles", "published"):
+        msg = f'thresholds must be "quantiles" or "published", got {thresholds!r}'
+        raise ValueError(msg)
+    for name, value in numbers.items():
+        if name in WHOLE:
+            check_count(name, value, WHOLE[name])
+        elif value is not None or name not in OPTIONAL:
+            check_values(name, value, 0, above=name in ABOVE_0, number=True)
 
 
 def _empty(rows):
@@ -207,12 +228,6 @@ def _notes_of_maps(counts, names, found):
         most = max(image["thickness"] for image in counts)
         words = f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick"
         notes.append(_note(words, thick, len(names)))
-    largest = max(image["largest"] for image in counts)
-    if 0 < largest < FAINT:
-        notes.append(
-            f"maps reach {largest:.2g} at most: {np.mean(largest < THRESHOLDS):.0%} of the "
-            "thresholds lie above, which lowers ap; to compare it, scale maps to reach 1"
-        )
     if found["ap"] == 0 < found["ods"]:
         notes.append(
             "ap is 0 because recall is the same at every threshold: maps of one level give a "
@@ -223,16 +238,15 @@ def _notes_of_maps(counts, names, found):
 
 @dataclass(frozen=True)
 class _Image:
-    """Edge map, as it is and suppressed, of an image; its mask, one pixel thick; its layers."""
+    """Edge map of an image; its mask, one pixel thick; its layers."""
 
     probability: np.ndarray
-    edges: np.ndarray
     mask: np.ndarray
     layer_bins: np.ndarray
     thickness: float = 1.0  # thickness of the mask as it was drawn [pixels]
 
 
-def _read_image(prediction, truth, suppressed):
+def _read_image(prediction, truth):
     """`_Image` of two files.
 
     Without a prediction the map is empty, and as high as the layers reach where truth is no image.
@@ -243,8 +257,7 @@ def _read_image(prediction, truth, suppressed):
             n_range_bins = int(np.nanmax(layer_bins, initial=0)) + 2
             mask = layer_mask(layer_bins, n_range_bins)
         mask, thickness = _thinned(mask, layer_bins)
-        empty = np.zeros(mask.shape)
-        return _Image(empty, empty, mask, layer_bins, thickness)
+        return _Image(np.zeros(mask.shape), mask, layer_bins, thickness)
     probability = read_map(prediction)
     mask, layer_bins = read_labels(truth, probability.shape, prediction)
     if mask.any() and not mask.all() and np.median(probability) > 0.5:
@@ -254,9 +267,8 @@ def _read_image(prediction, truth, suppressed):
             found = f"a mean of {on:.2g} on them and {off:.2g} off"
             msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
             raise ValueError(msg)
-    edges = probability if suppressed else suppress(probability, where=str(prediction))
     mask, thickness = _thinned(mask, layer_bins)
-    return _Image(probability, edges, mask, layer_bins, thickness)
+    return _Image(probability, mask, layer_bins, thickness)
 
 
 def _thinned(mask, layer_bins):
@@ -269,15 +281,31 @@ def _thinned(mask, layer_bins):
     return (layer_mask(layer_bins, len(mask)) if thickness > 1 else mask), thickness
 
 
-def _count(pair, *, suppressed, **tolerance):
-    """Counts of one image, with the thickness of its mask as drawn and the largest of its map."""
+def _edges(probability, prediction, *, suppressed, as_published):
+    """Edge map of an image, thin."""
+    if suppressed:
+        return probability
+    added_curvature = CURVATURE if as_published else 0
+    return suppress(probability, added_curvature=added_curvature, where=str(prediction))
+
+
+def _found(pair, *, edges):
+    """Values above 0 of the thin edge map of one image."""
     _, prediction, truth = pair
-    image = _read_image(prediction, truth, suppressed)
-    counts = match_counts(image.edges, image.mask, THRESHOLDS, **tolerance, where=str(prediction))
-    return counts | {"thickness": image.thickness, "largest": image.probability.max()}
+    found = edges(_read_image(prediction, truth).probability, prediction)
+    return found[found > 0]
 
 
-def _pick(pair, *, suppressed, threshold, bin_s, **limits):
+def _count(pair, *, edges, thresholds, **tolerance):
+    """Counts of one image, with the thickness of its mask as drawn."""
+    _, prediction, truth = pair
+    image = _read_image(prediction, truth)
+    found = edges(image.probability, prediction)
+    counts = match_counts(found, image.mask, thresholds, **tolerance, where=str(prediction))
+    return counts | {"thickness": image.thickness}
+
+
+def _pick(pair, *, threshold, bin_s, **limits):
     """What became of the layers of one image.
 
     Without a threshold, in picks that are the tracker's own.
@@ -286,7 +314,7 @@ def _pick(pair, *, suppressed, threshold, bin_s, **limits):
     if threshold is None:
         picks, layer_bins = _picks_and_truth(prediction, truth, bin_s)
     else:
-        image = _read_image(prediction, truth, suppressed)
+        image = _read_image(prediction, truth)
         layer_bins = image.layer_bins
         picks = pick_layers(image.probability, threshold=threshold, where=str(prediction))
     layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
@@ -328,9 +356,10 @@ def _false_layers(picks):
     return rows
 
 
-def _tabulated(names, counts, picks, *, n_bootstrap, rng):
+def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
     """Table of `score_folders` from the `match_counts` (or None) and `layer_rows` of each image.
 
+    `scored` gives the edge scores of counts.
     `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with
     replacement, NaN for one image alone, whose `ods` and `ois` are its best F.
     """
@@ -343,10 +372,10 @@ def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     if counts is not None:
         stacked = stack_counts(counts)
         resamples = shown(draws, unit="resample")
-        scores = [score({name: stacked[name][draw] for name in COUNTS}) for draw in resamples]
-        images = _beside([_of_edges([image]) for image in counts], images)
-        whole = _beside([_of_edges(stacked)], whole)
-        resampled = _beside(pd.DataFrame(scores)[list(METRICS)], resampled)
+        scores = [scored(of_images(stacked, draw)) for draw in resamples]
+        images = _beside([scored([image]) for image in counts], images)
+        whole = _beside([scored(stacked)], whole)
+        resampled = _beside(scores, resampled)
     ends = pd.DataFrame(index=range(2))
     if len(names) > 1:
         ends = resampled.quantile([0.025, 0.975])
@@ -359,10 +388,6 @@ def _errors(sums):
     return errors_of_sums(sums, bin_size_m=1)[PICK_SCORES]
 
 
-def _beside(edges, errors):
-    return pd.concat([pd.DataFrame(edges), errors], axis=1)
-
-
-def _of_edges(counts):
-    scores = score(counts, THRESHOLDS)
-    return {name: scores[name] for name in METRICS} | {"threshold": scores["ods_threshold"]}
+def _beside(scores, errors):
+    edges = pd.DataFrame(scores).rename(columns={"ods_threshold": "threshold"})
+    return pd.concat([edges[[*METRICS, "threshold"]], errors], axis=1)

@@ -16,7 +16,7 @@ MODULES = {
         "Calibration",
         "Ridges",
         "calibrate",
-        "edge_scores",
+        "edge_counts",
         "fit_logistic",
         "near_a_layer",
         "reliability",

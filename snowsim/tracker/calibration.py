@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from snowsim.limits import check_count
-from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.metrics.edges import match_counts, score, suppress, thresholds_of
 
 WITHIN_BINS = 2.0  # distance to a layer within which a pick is a hit
 LEAST_PROBABILITY = 0.02  # probability, before calibration, from which on a pixel may be a pick
@@ -80,7 +80,7 @@ def calibrate(logits, scenes):
     ridges = ridges_of(logits, scenes)
     offset, temperature = fit_logistic(ridges)
     probability = [expit((each - offset) / temperature) for each in logits]
-    scores = edge_scores(probability, scenes)
+    scores = score(*edge_counts(probability, scenes))
     curve = reliability(expit((ridges.logits - offset) / temperature), ridges.hits)
     return Calibration(
         offset=offset,
@@ -93,13 +93,15 @@ def calibrate(logits, scenes):
     )
 
 
-def edge_scores(probability, scenes):
-    """`snowsim.metrics.edges.score` of maps of probability of some scenes."""
+def edge_counts(probability, scenes):
+    """Counts of the map of probability of each scene, and the `thresholds_of` all of them."""
+    edges = [suppress(each, added_curvature=0) for each in probability]
+    thresholds = thresholds_of(edges)
     counts = [
-        match_counts(suppress(each), scene.mask(), THRESHOLDS, where=scene.name)
-        for each, scene in zip(probability, scenes, strict=True)
+        match_counts(each, scene.mask(), thresholds, where=scene.name)
+        for each, scene in zip(edges, scenes, strict=True)
     ]
-    return score(counts, THRESHOLDS)
+    return counts, thresholds
 
 
 def ridges_of(logits, scenes):

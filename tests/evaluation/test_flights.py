@@ -43,6 +43,7 @@ def counts_table(share, rng):
     tables = []
     for number, counts in enumerate(image_counts(share, 30, rng=rng)):
         table = pd.DataFrame({"scene": f"{number:02d}", "threshold": [0.2, 0.5, 0.8], **counts})
+        table["grid"] = "quantiles"
         tables.append(table.assign(output="fuse"))
         tables.append(table.assign(output="side_1", matched_truth=0, matched_prediction=0))
     return pd.concat(tables)

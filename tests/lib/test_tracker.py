@@ -9,7 +9,7 @@ from edge_counts import image_counts
 from toy_scenes import toy_scenes, with_ridges
 
 from lib.score_tables import tracker_intervals
-from lib.tracker_scores import count_edges, pick_scenes
+from lib.tracker_scores import best_thresholds, count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS
 from snowsim.metrics.picks import SUMS
@@ -74,5 +74,14 @@ def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
     # Log-odds fall in straight lines on either side of a layer; a parabola through three rows of
     # them errs most where one lies .3 rows off, by .09.
     assert (rows["absolute_error"] < 0.2 * rows["n_found"]).all()
+    at = best_thresholds(counts, ["side_1", "fuse"])
+    both, _ = count_edges(
+        SimpleNamespace(track=track), scenes, ["side_1", "fuse"], at=at, as_published=True
+    )
+    assert both.groupby("grid").size().to_dict() == {
+        "published": 4 * 99,
+        "quantiles": 4 * 99,
+        "validation": 4,
+    }
     first = [np.diff(scene.layer_bins[:2], axis=0).mean() for scene in scenes]
     assert rows["first_thickness_bins"].unique().tolist() == pytest.approx(first)

@@ -1,12 +1,21 @@
 """The paper's tables from scores: Table II, SSIM against depth, and Table III with intervals."""
 
+from functools import partial
 from itertools import product
 
 import numpy as np
 import pandas as pd
 
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.edges import COUNTS, METRICS, score, stack_counts
+from snowsim.metrics.edges import COUNTS, METRICS, of_images, score, stack_counts
+
+# Scores of each grid of thresholds by their names in Table III: `f` is F at the threshold that is
+# best on the validation scenes.
+NAMES = {
+    "quantiles": {metric: metric for metric in METRICS},
+    "validation": {"ods": "f"},
+    "published": {metric: f"published_{metric}" for metric in METRICS},
+}
 
 
 def similarity_table(images):
@@ -41,23 +50,28 @@ def ssim_against_depth(rows, window_rows):
     return mean.assign(ssim_smooth=smooth)
 
 
-def counts_by_image(table):
-    """Counts of one output for `snowsim.metrics.edges.score`, a dict an image, sorted by name."""
+def counts_by_image(table, output, grid="quantiles"):
+    """Counts and thresholds of one output for `snowsim.metrics.edges.score`, a dict an image.
+
+    Images are sorted by name, thresholds ascend.
+    """
+    table = table[(table["output"] == output) & (table["grid"] == grid)]
     by_scene = table.sort_values(["scene", "threshold"]).groupby("scene", sort=True)
-    return [{name: group[name].to_numpy() for name in COUNTS} for _, group in by_scene]
+    names = ["threshold", *COUNTS]
+    return [{name: group[name].to_numpy() for name in names} for _, group in by_scene]
 
 
-def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
-    """Counts of trainings for `tracker_intervals`.
+def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS, grid="quantiles"):
+    """Counts of trainings for `tracker_intervals`, at the thresholds of one grid.
 
-    `tables` holds one table for each training, all replicas of the first training set first, with
-    columns `scene, output, threshold` and the counts.
+    `tables` holds one table for each training, all replicas of the first training set first, as
+    from `lib.tracker_scores.count_edges`.
     """
     counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
     keys = [training_set for training_set in training_sets for _ in range(n_replicas)]
     for training_set, table in zip(keys, tables, strict=True):
         for output in outputs:
-            counts[training_set, output].append(counts_by_image(table[table["output"] == output]))
+            counts[training_set, output].append(counts_by_image(table, output, grid))
     return counts
 
 
@@ -71,15 +85,18 @@ def tracker_table(intervals):
     return table.rename_axis(columns=None).reset_index()
 
 
-def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
+def tracker_intervals(
+    counts, training_sets, *, outputs=OUTPUTS, grid="quantiles", n_bootstrap, rng
+):
     """Scores of every training set and output, with intervals, and differences to the first set.
 
     `counts` maps (training set, output) to a list over replicas of lists over images of count
     dicts; images always have the same order. Intervals are the 2.5 and 97.5 percentiles of a paired
     bootstrap: images and replicas are drawn `n_bootstrap` times with replacement, the same ones for
-    every training set. Columns are `output, training_set, metric, mean, low, high, difference,
-    difference_low, difference_high, n_replicas, n_images, n_without_truth`. How images without
-    truth count is said at `snowsim.metrics.edges.score`.
+    every training set. Scores have the `NAMES` of their grid of thresholds. Columns are `output,
+    training_set, metric, mean, low, high, difference, difference_low, difference_high, n_replicas,
+    n_images, n_without_truth`. How images without truth count is said at
+    `snowsim.metrics.edges.score`.
     """
     stacked = {
         key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()
@@ -94,8 +111,9 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
         for _ in range(n_bootstrap)
     ]
     rows = []
-    means = {key: _means(replicas) for key, replicas in stacked.items()}
-    resampled = {key: _resampled(replicas, draws) for key, replicas in stacked.items()}
+    scored = partial(score, as_published=grid == "published")
+    means = {key: _means(replicas, scored) for key, replicas in stacked.items()}
+    resampled = {key: _resampled(replicas, draws, scored) for key, replicas in stacked.items()}
     for output, training_set in product(outputs, training_sets):
         mean = means[training_set, output]
         base_mean = means[base, output]
@@ -103,11 +121,12 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
         low, high = np.percentile(here, [2.5, 97.5], axis=0)
         differences = here - resampled[base, output]
         difference_low, difference_high = np.percentile(differences, [2.5, 97.5], axis=0)
-        for index, metric in enumerate(METRICS):
+        for metric, name in NAMES[grid].items():
+            index = METRICS.index(metric)
             row = {
                 "output": output,
                 "training_set": training_set,
-                "metric": metric,
+                "metric": name,
                 "mean": mean[index],
                 "low": low[index],
                 "high": high[index],
@@ -122,14 +141,14 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     return pd.DataFrame(rows)
 
 
-def _means(replicas, images=slice(None)):
+def _means(replicas, scored, images=slice(None)):
     """Mean over replicas of each of `METRICS`, on some images, (metric,)."""
-    scores = [
-        score({name: values[images] for name, values in replica.items()}) for replica in replicas
-    ]
+    scores = [scored(of_images(replica, images)) for replica in replicas]
     return np.array([np.mean([each[metric] for each in scores]) for metric in METRICS])
 
 
-def _resampled(replicas, draws):
+def _resampled(replicas, draws, scored):
     """Means as from `_means` for each draw of replicas and images, (draw, metric)."""
-    return np.array([_means([replicas[i] for i in drawn], images) for drawn, images in draws])
+    return np.array(
+        [_means([replicas[i] for i in drawn], scored, images) for drawn, images in draws]
+    )

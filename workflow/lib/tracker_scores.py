@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 import torch
+from scipy.sparse import coo_array
 
 from lib.score_tables import counts_by_image
 from snowsim.io.models import read_model
-from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress, thresholds_of
 from snowsim.metrics.picks import layer_rows
 from snowsim.tracker import OUTPUTS, Settings, pick_layers, track, trained_network
 
@@ -32,27 +33,53 @@ def read_tracker(path, device="cpu"):
     return Tracker(trained_network(weights, settings, device=device), settings)
 
 
-def count_edges(tracker, scenes, outputs=OUTPUTS):
+def count_edges(tracker, scenes, outputs=OUTPUTS, *, at=None, as_published=False):
     """Table of edge counts of some outputs, and a list of the fused output's probabilities.
 
-    The table has columns `scene, output, threshold` and the counts of `match_counts`.
+    The table has columns `grid, output, scene, threshold` and the counts of `match_counts`. Grids
+    are `quantiles`, the `thresholds_of` all scenes; `validation`, the threshold of each output in
+    the dict `at`, if given; and `published`, if asked for.
     """
-    tables = []
+    edges = {output: [] for output in outputs}
+    annotated = []
     fused = []
+    tables = []
     for scene in scenes:
+        annotated.append((scene.name, scene.mask()))
         probabilities = dict(zip(OUTPUTS, tracker.track(scene.image), strict=True))
-        for output in outputs:
-            tables.append(count_output(probabilities[output], scene, output))
         fused.append(probabilities["fuse"])
+        for output in outputs:
+            found = suppress(probabilities[output], added_curvature=0, where=scene.name)
+            # Most pixels are 0: the maps of a whole set take little memory.
+            edges[output].append(coo_array(found))
+            if as_published:
+                found = suppress(probabilities[output], where=scene.name)
+                tables.append(count_output(found, *annotated[-1], THRESHOLDS, "published", output))
+    for output in outputs:
+        thresholds = thresholds_of([found.data for found in edges[output]])
+        grid = ["quantiles"] * thresholds.size
+        if at is not None:
+            thresholds = np.append(thresholds, at[output])
+            grid.append("validation")
+        for found, (name, mask) in zip(edges[output], annotated, strict=True):
+            tables.append(count_output(found.toarray(), name, mask, thresholds, grid, output))
     return pd.concat(tables), fused
 
 
-def count_output(probability, scene, output):
+def count_output(edges, name, mask, thresholds, grid, output):
     """Table of edge counts of one output on one scene."""
-    edges = suppress(probability, where=scene.name)
-    counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
-    keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
+    counts = match_counts(edges, mask, thresholds, where=name)
+    keys = {"grid": grid, "output": output, "scene": name, "threshold": thresholds}
     return pd.DataFrame(keys | counts)
+
+
+def best_thresholds(counts, outputs=OUTPUTS):
+    """Threshold with the best F of a table of `count_edges`, by output."""
+    images = {output: counts_by_image(counts, output) for output in outputs}
+    return {
+        output: score(of_output, of_output[0]["threshold"])["ods_threshold"]
+        for output, of_output in images.items()
+    }
 
 
 def pick_scenes(scenes, fused, counts):
@@ -61,8 +88,7 @@ def pick_scenes(scenes, fused, counts):
     `fused` and `counts` come from `count_edges`. Three columns are added: `scene`,
     `first_thickness_bins`, the mean thickness of its first slab, and `threshold`.
     """
-    of_fused = counts_by_image(counts[counts["output"] == "fuse"])
-    threshold = score(of_fused, THRESHOLDS)["ods_threshold"]
+    threshold = best_thresholds(counts, ["fuse"])["fuse"]
     tables = []
     for scene, probability in zip(scenes, fused, strict=True):
         picks = pick_layers(probability, threshold=threshold, where=scene.name)

@@ -11,6 +11,7 @@ from torch.nn import functional
 from pretrained.resizing import AS_THEY_ARE, resized, resized_rows
 from snowsim.echogram import crossing_layers
 from snowsim.io.files import read_table
+from snowsim.metrics.edges import score
 from snowsim.metrics.picks import layer_rows
 from snowsim.tracker import (
     CONFIDENCE,
@@ -19,7 +20,7 @@ from snowsim.tracker import (
     Linking,
     between_lines,
     confidence,
-    edge_scores,
+    edge_counts,
     find_candidates,
     fused_logits,
     join,
@@ -125,7 +126,8 @@ def score_tracker(tracker, scenes, scale):
     """
     logits = [fused_logits(tracker.network, resized(scene.image, scale)) for scene in scenes]
     own = [on_pixels(each, scene.image.shape) for each, scene in zip(logits, scenes, strict=True)]
-    edges = edge_scores([tracker.calibration.probability(each) for each in own], scenes)
+    probability = [tracker.calibration.probability(each) for each in own]
+    edges = score(*edge_counts(probability, scenes))
     scores = {name: edges[name] for name in ("ods", "ois", "ap")}
     scores["threshold"] = tracker.calibration.threshold
     picks = [

@@ -119,3 +119,8 @@ def added_scenes(method, training_set):
     """Files of label sets rendered by a method, if a training set contains them."""
     joins = method in (TRAINING_SETS | ALONE)[training_set]
     return rendered_files(method, "labels") if joins else []
+
+
+def validation_counts(path):
+    """Tables of counts on validation scenes, of every replica of `path`, if there are such scenes."""
+    return expand(f"{path}_validation.parquet", replica=SEEDS) if shards("validation") else []

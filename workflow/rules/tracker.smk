@@ -37,10 +37,12 @@ rule train_tracker:
 rule score_tracker:
     input:
         scenes=benchmark_files("test"),
+        validation=benchmark_files("validation"),
         networks=expand("results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS),
     output:
         counts=expand("results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS),
         picks=expand("results/tracker/{{training_set}}/{replica}_picks.parquet", replica=SEEDS),
+        validation=validation_counts("results/tracker/{{training_set}}/{replica}"),
     log:
         "logs/score_tracker/{training_set}.log",
     benchmark:
@@ -50,6 +52,8 @@ rule score_tracker:
         gpu=int(TRACKER["device"] == "cuda"),
     params:
         device=TRACKER["device"],
+        # The published code has thresholds of its own; beside its loss, both are told.
+        as_published=TRACKER["training"]["layer_share"] is None,
     message:
         "edge scores of {wildcards.training_set}, every replica"
     script:

@@ -1,9 +1,10 @@
 """Table III with its intervals and curves; scores by zone; errors of picks."""
 
+import pandas as pd
 from job import job
 
 from lib import tracker_tables
-from lib.score_tables import counts_of_runs, tracker_intervals, tracker_table
+from lib.score_tables import NAMES, counts_of_runs, tracker_intervals, tracker_table
 from snowsim.echogram import zone_of
 from snowsim.io.files import read_dataset, read_table, write_table
 from snowsim.metrics.picks import pool_picks, snow_per_bin_m
@@ -16,13 +17,21 @@ with job(snakemake):
     flight = read_dataset(snakemake.input.statistics)
     training_sets = list(dict.fromkeys(training_set for training_set, _ in runs))
     n_replicas = len(runs) // len(training_sets)
-    counts = map(read_table, snakemake.input.counts)
-    scores = counts_of_runs(counts, training_sets, n_replicas)
-    rng = random_stream(seed, "tabulate_trackers")
-    intervals = tracker_intervals(scores, training_sets, n_bootstrap=n_bootstrap, rng=rng)
+    tables = [read_table(path) for path in snakemake.input.counts]
+    scores = {}
+    found = []
+    for grid in [name for name in NAMES if name in set(tables[0]["grid"])]:
+        scores[grid] = counts_of_runs(tables, training_sets, n_replicas, grid=grid)
+        rng = random_stream(seed, "tabulate_trackers")
+        found.append(
+            tracker_intervals(
+                scores[grid], training_sets, grid=grid, n_bootstrap=n_bootstrap, rng=rng
+            )
+        )
+    intervals = pd.concat(found)
     write_table(snakemake.output.intervals, intervals)
     write_table(snakemake.output.table3, tracker_table(intervals))
-    curves = tracker_tables.fused_curves(scores, training_sets)
+    curves = tracker_tables.fused_curves(scores["quantiles"], training_sets)
     write_table(snakemake.output.curves, curves)
 
     picks = [read_table(path) for path in snakemake.input.picks]
@@ -31,7 +40,7 @@ with job(snakemake):
     thickness = picks[0].groupby("scene", sort=True)["first_thickness_bins"].first()
     zone = zone_of(thickness, edges)
     by_zone = tracker_tables.intervals_by_zone(
-        scores, training_sets, zone, n_bootstrap=n_bootstrap, seed=seed
+        scores["quantiles"], training_sets, zone, n_bootstrap=n_bootstrap, seed=seed
     )
     write_table(snakemake.output.zones, by_zone)
     rows = tracker_tables.rows_of_picks(picks, runs, edges, snakemake.params.depth_step_bins)

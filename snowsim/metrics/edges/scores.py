@@ -19,7 +19,12 @@ def stack_counts(counts):
     return {name: np.array([image[name] for image in counts]) for name in COUNTS}
 
 
-def score(counts, thresholds=None):
+def of_images(counts, images):
+    """Stacked counts of some images of a set by their numbers, which may repeat."""
+    return {name: values[images] for name, values in counts.items()}
+
+
+def score(counts, thresholds=None, *, as_published=False):
     """ODS, OIS and AP of a set of images.
 
     Parameters
@@ -29,6 +34,8 @@ def score(counts, thresholds=None):
         makes of it.
     thresholds : array_like, (threshold,), optional
         Thresholds of the counts; only `ods_threshold` needs them.
+    as_published : bool
+        Let an image of which nothing is found take part in OIS at the lowest threshold.
 
     Returns
     -------
@@ -42,15 +49,15 @@ def score(counts, thresholds=None):
     ------
     ValueError
         If there is no image, shapes of counts differ, more pixels match than
-        there are, or thresholds differ in number from the counts or do not increase.
+        there are, or thresholds differ in number from the counts or decrease.
 
     Notes
     -----
     ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R =
     matched_truth / n_truth``, 0 where there is no pixel. At equal F the lowest threshold counts as
     best. An image without truth, or of which nothing is found, has F = 0 at every threshold. OIS
-    therefore counts its false positives at the lowest threshold, where they are most numerous.
-    Images without truth are counted in `n_without_truth`.
+    counts its false positives at the highest, where they are fewest; the published code at the
+    lowest, so that OIS could be below ODS. Images without truth are counted in `n_without_truth`.
 
     AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Precision is
     interpolated linearly at recalls 0, 0.01 ... 1, where thresholds of equal recall are represented
@@ -83,10 +90,13 @@ def score(counts, thresholds=None):
         what = f"matched_{of} and n_{of} less matched_{of}"
         check_values(what, np.minimum(matched, unmatched), 0)
     if thresholds is not None:
-        check_values("thresholds must increase: steps", np.diff(thresholds), 0, above=True)
+        check_values("thresholds must not decrease: steps", np.diff(thresholds), 0)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
     f = f_measure(*_precision_and_recall(pooled))
-    best = np.argmax(f_measure(*_precision_and_recall(stacked)), axis=1)
+    f_of_images = f_measure(*_precision_and_recall(stacked))
+    best = np.argmax(f_of_images, axis=1)
+    if not as_published:
+        best[f_of_images.max(axis=1) == 0] = shape[1] - 1
     images = np.arange(best.size)
     at_own_best = {name: values[images, best].sum() for name, values in stacked.items()}
     ods_index = int(np.argmax(f))

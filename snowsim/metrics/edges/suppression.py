@@ -9,6 +9,8 @@ from snowsim.limits import check_values
 SMOOTHING_RADIUS = 1
 ORIENTATION_RADIUS = 4
 BORDER = 5  # pixels over which edges fade towards the border of the map
+CURVATURE = 1e-5  # added along the range lines, where the published code divides by it
+STEEP = 1e150  # tangent of a right angle; its square is finite
 MARGIN = 1.01  # factor by which a neighbour must be stronger to suppress a pixel
 
 
@@ -27,13 +29,16 @@ def check_prediction(prediction, where):
     return prediction.astype(np.float64)
 
 
-def suppress(prediction, *, where="image"):
+def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
     """Non-maximum-suppressed edge map: a ridge of any width becomes a line of about one pixel.
 
     Parameters
     ----------
     prediction : array_like, (range_bin, range_line)
         Edge probability in [0, 1].
+    added_curvature : float
+        What the published code adds to ``Oxx``, see below. It turns faint ridges, from 0.001 down;
+        with 0 the edges of a tenth of a map are a tenth of its edges.
     where : str
         Name of the image, for errors.
 
@@ -69,7 +74,7 @@ def suppress(prediction, *, where="image"):
     [5, 1]
     """
     smoothed = triangle_filter(check_prediction(prediction, where), SMOOTHING_RADIUS)
-    edges = _keep_maxima(smoothed, orientation(smoothed))
+    edges = _keep_maxima(smoothed, tangent_across(smoothed, added_curvature))
     n_rows, n_lines = edges.shape
     edges *= _border_fade(n_rows)[:, None]
     edges *= _border_fade(n_lines)
@@ -84,23 +89,22 @@ def triangle_filter(image, radius):
     return correlate1d(by_bin, weights, axis=1, mode="reflect")
 
 
-def orientation(smoothed):
-    """Direction across the ridges of a smoothed map [rad, 0 to pi, 0 along range lines]."""
-    slope_bin, slope_line = _gradient(triangle_filter(smoothed, ORIENTATION_RADIUS))
-    line_line = _gradient(slope_line)[1]
-    bin_bin, bin_line = _gradient(slope_bin)
+def tangent_across(smoothed, added_curvature=CURVATURE):
+    """Tangent of the angle of the direction across the ridges of a map, 0 along range lines."""
+    averaged = triangle_filter(smoothed, ORIENTATION_RADIUS)
+    slope_bin = _gradient(averaged, 0)
+    bin_bin = _gradient(slope_bin, 0)
+    bin_line = _gradient(slope_bin, 1)
+    line_line = _gradient(_gradient(averaged, 1), 1)
     # A denominator of 0 gives the limit, across the layer, and 0 where sign(0) = 0.
     with np.errstate(divide="ignore", invalid="ignore"):
-        tangent = bin_bin * np.sign(-bin_line) / (line_line + 1e-5)
-    return np.mod(np.arctan(np.nan_to_num(tangent)), np.pi)
+        tangent = bin_bin * np.sign(-bin_line) / (line_line + added_curvature)
+    return np.nan_to_num(tangent, posinf=STEEP, neginf=-STEEP)
 
 
-def _gradient(image):
-    """Central differences along both axes, one-sided at borders, 0 along an axis of one pixel."""
-    return [
-        np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image)
-        for axis, length in enumerate(image.shape)
-    ]
+def _gradient(image, axis):
+    """Central differences along an axis, one-sided at borders, 0 along an axis of one pixel."""
+    return np.gradient(image, axis=axis) if image.shape[axis] > 1 else np.zeros_like(image)
 
 
 def _border_fade(length):
@@ -113,8 +117,8 @@ def _border_fade(length):
 
 
 @njit(cache=True)
-def _keep_maxima(smoothed, direction):
-    """Copy of the smoothed map that is 0 where it has no maximum along `direction`."""
+def _keep_maxima(smoothed, tangent):
+    """Copy of the smoothed map that is 0 where it has no maximum along the direction `tangent`."""
     n_rows, n_lines = smoothed.shape
     kept = np.zeros_like(smoothed)
     for row in range(n_rows):
@@ -122,8 +126,8 @@ def _keep_maxima(smoothed, direction):
             value = smoothed[row, line]
             if value == 0:
                 continue
-            along_line = np.cos(direction[row, line])
-            along_row = np.sin(direction[row, line])
+            along_line = 1 / np.sqrt(1 + tangent[row, line] ** 2)
+            along_row = tangent[row, line] * along_line
             strongest = value * MARGIN
             if strongest < _between_pixels(smoothed, row - along_row, line - along_line):
                 continue

@@ -55,11 +55,22 @@ def test_images_without_truth_are_counted_and_cost_false_positives():
     with_empty, without = score([*TWO_IMAGES, empty]), score(TWO_IMAGES)
     assert with_empty["n_without_truth"] == 1
     assert without["n_without_truth"] == 0
-    # Its 5 false positives at the lowest threshold join OIS: 16 of 20 true, 16 of 18 + 5 predicted.
-    assert_allclose(with_empty["ois"], 2 * 16 / (20 + 23))
+    # Its false positive at the highest threshold joins OIS: 16 of 20 true, 16 of 18 + 1 predicted.
+    assert_allclose(with_empty["ois"], 2 * 16 / (20 + 19))
+    # As the published code counts, those at the lowest, 5.
+    published = score([*TWO_IMAGES, empty], as_published=True)
+    assert_allclose(published["ois"], 2 * 16 / (20 + 23))
     assert with_empty["ods"] < without["ods"]
     alone = score([empty])
     assert alone["ods"] == alone["ois"] == alone["ap"] == 0
+
+
+def test_an_image_of_which_nothing_is_found_does_not_bring_ois_below_ods():
+    nothing = counts_of([0, 0, 0], 10, [500, 20, 0])
+    found = counts_of([9, 8, 8], 10, [12, 8, 8])
+    scores = score([nothing, found])
+    assert scores["ois"] >= scores["ods"]
+    assert score([nothing, found], as_published=True)["ois"] < scores["ods"]
 
 
 def test_shards_pool_to_the_same_scores_in_any_order():
@@ -74,7 +85,7 @@ def test_shards_pool_to_the_same_scores_in_any_order():
     ("change", "thresholds", "message"),
     [
         ({"matched_truth": [60, 40]}, None, r"n_truth less matched_truth must be .*, got -10"),
-        ({}, [0.8, 0.3], "thresholds must increase"),
+        ({}, [0.8, 0.3], "thresholds must not decrease"),
         ({}, [0.5], "at least one image and as many thresholds as they have"),
     ],
 )

@@ -35,8 +35,7 @@ def training_scores(tables, trainings):
     """
     rows = []
     for table, (training_set, replica) in zip(tables, trainings, strict=True):
-        fused = table[table["output"] == "fuse"]
-        scores = score(counts_by_image(fused))
+        scores = score(counts_by_image(table, "fuse"))
         row = {"training_set": training_set, "replica": replica}
         rows.append(row | {metric: scores[metric] for metric in METRICS})
     return pd.DataFrame(rows)

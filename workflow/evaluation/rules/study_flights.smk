@@ -43,10 +43,12 @@ use rule train_tracker as train_rd_full with:
 use rule score_tracker as score_rd_full with:
     input:
         scenes=benchmark_files("test"),
+        validation=benchmark_files("validation"),
         networks=expand(rules.train_rd_full.output.network, replica=SEEDS),
     output:
         counts=expand("results/tracker/rd_full/{replica}_counts.parquet", replica=SEEDS),
         picks=expand("results/tracker/rd_full/{replica}_picks.parquet", replica=SEEDS),
+        validation=validation_counts("results/tracker/rd_full/{replica}"),
     log:
         "logs/score_rd_full.log",
     benchmark:
