@@ -332,8 +332,11 @@ def train(sources, model, n_steps, force, **settings):
 
     sets = [scene_set(source) for source in sources]
     card = train_tracker(model, sets, n_steps=n_steps, **settings)
-    ods = card["calibration_ods"]
-    click.echo(f"{model}: fused ODS {ods:.3g} on the scenes held out")
+    held = card["held_out"]
+    told = "scenes held out: {n_scenes}, too few for a score"
+    if "ods" in held:
+        told = "fused ODS {ods:.3f} [{low:.3f}, {high:.3f}] on {n_scenes} scenes held out"
+    click.echo(f"{model}: {told.format(**held)}")
 
 
 @commands.command(

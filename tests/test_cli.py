@@ -253,7 +253,7 @@ def test_a_tracker_is_trained_on_scenes_of_several_files_from_the_shipped_one(pl
     main(
         ["train", "scenes.nc", "more.nc", "-o", "mine.onnx", "--from", "universal", "--steps", "2"]
     )
-    assert "mine.onnx: fused ODS " in capsys.readouterr().out
+    assert "mine.onnx: scenes held out: 1, too few for a score" in capsys.readouterr().out
     content, card = read_tracker("mine.onnx")
     assert "4 scenes" in card["trained_on"]  # of 5 the first is held out
     assert "starting from universal" in card["trained_on"]

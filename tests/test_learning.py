@@ -1,10 +1,10 @@
 """A tracker trained on a user's own scenes: what it starts from, holds out and writes."""
 
 import pytest
-from toy_scenes import toy_scenes
+from toy_scenes import toy_scenes, with_ridges
 
 from snowsim.io.models import read_tracker
-from snowsim.learning import network_of_tracker, train_tracker
+from snowsim.learning import held_out_score, network_of_tracker, train_tracker
 from snowsim.tracker import network_of_onnx
 
 OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
@@ -17,6 +17,8 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
     assert (read["bin_s"], read["line_spacing_m"]) == (2e-10, 4.0)
     assert "9 scenes" in read["trained_on"]  # of 11 every tenth, from the first on, is held out
     assert read["temperature"] == card["temperature"] > 0
+    assert card["held_out"] == {"n_scenes": 2}
+    assert card["calibration_ods"] is None
     network = network_of_onnx(content)
     assert (network.width, network.n_averaged) == (8, 2)
     again = tmp_path / "again.onnx"
@@ -35,6 +37,16 @@ def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
         # One step of a thousandth at most, Adam's, and decay of a hundredth of that.
         assert (found[name] - values).abs().max() < 1.1e-3, name
     assert any((found[name] - values).abs().max() > 0 for name, values in shipped.items())
+
+
+def test_the_score_of_scenes_held_out_lies_in_its_interval_and_needs_ten():
+    scenes = list(map(with_ridges, toy_scenes(10)))
+    # Half of the maps lack what the others show.
+    maps = [scene.image / 255 * (1 if place % 2 else 0) for place, scene in enumerate(scenes)]
+    told = held_out_score(maps, scenes)
+    assert told["n_scenes"] == 10
+    assert 0 < told["low"] < told["ods"] < told["high"] < 1
+    assert held_out_score(maps[1:], scenes[1:]) == {"n_scenes": 9}
 
 
 def test_the_name_of_what_is_no_tracker_is_refused(tmp_path):
