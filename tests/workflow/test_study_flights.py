@@ -1,4 +1,4 @@
-"""The study of flights and the scores of the shipped tracker, in the tiny configuration."""
+"""Studies of flights and budgets, scores of the shipped tracker, in the tiny configuration."""
 
 import numpy as np
 import pandas as pd
@@ -6,6 +6,7 @@ import pytest
 import yaml
 from runs import parsed, run_snakemake
 
+from evaluation.lib.figures.charts import cost_worth
 from evaluation.lib.flight_scores import PAIRS
 
 
@@ -29,6 +30,33 @@ def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_p
     seeds = {job.wildcards.flight: job.params.settings["seed"] for job in jobs_of(plan, "fly")}
     assert seeds == {"2000": 2000, "2001": 2001}
     assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/scores.csv"]), "fly")
+
+
+def test_a_training_of_the_study_of_budgets_differs_in_its_number_of_gradients_alone(tmp_path):
+    plan = parsed(tmp_path, targets=["study_budgets", "trackers"])
+    (default,) = [
+        job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"
+    ]
+    trainings = jobs_of(plan, "train_budget")
+    assert {job.wildcards.training_set for job in trainings} == {"rd", "pd", "gd", "rd_pd"}
+    for job in trainings:
+        n_steps = int(job.wildcards.n_gradients)
+        assert job.params.settings == {**default.params.settings, "n_steps": n_steps}
+        for name in ("seed", "replica", "data", "device"):
+            assert job.params[name] == default.params[name]
+    # Test scenes choose nothing.
+    (tabulate,) = jobs_of(plan, "tabulate_budgets")
+    assert not [path for path in tabulate.input if "/test/" in path]
+
+
+@pytest.mark.study
+def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_path):
+    run_snakemake(tmp_path, "--", "study_budgets", timeout=1800)
+    table = pd.read_csv(tmp_path / "results/studies/budgets.csv")
+    assert (table[["training_s"]] > 0).all(axis=None)
+    costs = table.groupby("training_set")["scenes_s"].max()
+    assert costs["rd"] == 0 < costs["pd"] < costs["gd"]
+    assert len(cost_worth(table).axes[0].lines) == 4
 
 
 @pytest.mark.study

@@ -44,7 +44,7 @@ rule plot_charts:
         speed_accuracy="results/tables/speed_accuracy.csv",
         atlas_phy="results/tables/atlas_phy.csv",
         atlas_statistics="results/tables/atlas_statistics.csv",
-        # Of trainings that take hours: fixed numbers.
+        # What `snakemake study_budgets` left.
         budgets=ROOT / "workflow/evaluation/measured_budgets.csv",
     output:
         **drawn("charts", "speed_accuracy.svg", "atlas.svg", "cost_worth.svg"),

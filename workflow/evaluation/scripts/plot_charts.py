@@ -13,6 +13,6 @@ with job(snakemake):
     budgets = read_table(snakemake.input.budgets)
     save_figure(snakemake.output.speed_accuracy_svg, charts.speed_accuracy(measured), PLANTED)
     save_figure(snakemake.output.atlas_svg, charts.atlas(of_phy, of_statistics), PLANTED)
-    commit = budgets["measured_at"].iloc[0]
-    source = f"measured with snowsim at commit {commit}"
+    commit, date = budgets.loc[0, ["commit", "date"]]
+    source = f"measured with snowsim at commit {commit[:8]}, {date}"
     save_figure(snakemake.output.cost_worth_svg, charts.cost_worth(budgets), source)

@@ -44,16 +44,13 @@ QUANTITIES = {
     "width_bins": "error of 1/e width [bins]",
 }
 MOST_BOUNDS = 300  # errors of estimators beyond so many bounds are drawn there
+# Training sets of each series of the chart of costs, and whether it tells those of trainings, by
+# gradients, or those of scenes.
 BUDGETS = {
-    "tracker on real scenes by gradients": {"color": BLACK, "marker": "o"},
-    "tracker on PHY's scenes by gradients": {"color": BLUE, "marker": "o"},
-    "1500 scenes by PHY": {"color": BLUE, "marker": "D"},
-    "1500 scenes by the cGAN": {"color": RED, "marker": "D"},
-    "1500 scenes by the cGAN without AVX-512": {
-        "color": RED,
-        "marker": "D",
-        "markerfacecolor": "none",
-    },
+    "trainings on RD, by gradients": ("rd", "training_s", {"color": BLACK, "marker": "o"}),
+    "trainings on PD, by gradients": ("pd", "training_s", {"color": BLUE, "marker": "o"}),
+    "PHY's scenes": ("pd", "scenes_s", {"color": BLUE, "marker": "D"}),
+    "the cGAN's scenes": ("gd", "scenes_s", {"color": RED, "marker": "D"}),
 }
 # Where names of points stand, by turns: right below and above.
 SIDES = (
@@ -177,14 +174,19 @@ def plot_estimators(ax, rows, quantity):
 
 
 def cost_worth(budgets):
-    """Fused ODS on validation scenes against core-seconds: of trackers, and of what they see."""
+    """Fused ODS on validation scenes against core-seconds: of trainings, and of what they see."""
     figure, ax = new_panel(width=6.5, height=4)
-    budgets = budgets.assign(core_seconds=budgets["training_s"] + budgets["rendering_s"])
-    for number, (series, style) in enumerate(BUDGETS.items()):
-        rows = budgets.query("series == @series")
-        ax.plot("core_seconds", "ods", data=rows, markersize=5, label=series, **style)
+    keys = ["training_set", "n_gradients"]
+    means = budgets.groupby(keys)[["training_s", "scenes_s", "ods"]].mean().reset_index()
+    # Trackers on the scenes of either renderer alone are compared at the same number of gradients.
+    (n_gradients,) = means.query("training_set == 'gd'")["n_gradients"]
+    for number, (series, (name, cost, style)) in enumerate(BUDGETS.items()):
+        rows = means[means["training_set"] == name]
+        if cost == "scenes_s":
+            rows = rows[rows["n_gradients"] == n_gradients]
+        ax.plot(cost, "ods", data=rows, markersize=5, label=series, **style)
         for row in rows.itertuples():
-            name_point(ax, row.setting, (row.core_seconds, row.ods), number)
+            name_point(ax, row.n_gradients, (getattr(row, cost), row.ods), number)
     ax.set(xscale="log", xlabel="core-seconds of a training, or to make scenes")
     ax.set_ylabel("fused ODS on validation scenes")
     ax.legend(loc="lower right")
