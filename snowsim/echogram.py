@@ -168,8 +168,8 @@ def layer_mask(layer_bins, n_range_bins):
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     mask = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=bool)
-    inside = np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
-    lines = np.broadcast_to(np.arange(layer_bins.shape[1]), layer_bins.shape)[inside]
+    inside = (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
+    _, lines = np.nonzero(inside)
     mask[np.rint(layer_bins[inside]).astype(int), lines] = True
     return mask
 

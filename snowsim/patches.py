@@ -69,8 +69,8 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, kn
     flip : bool
         Mirror each crop left to right with probability 1/2.
     known : callable, optional
-        ``known(scene, layer_bins, n_range_bins)`` gives a further map (range_bin, range_line) of
-        the scene, to be cut like the mask. It draws nothing from `rng`.
+        ``known(scene)`` gives a further map (range_bin, range_line) of the scene, to be cut like
+        the mask. It draws nothing from `rng`.
     rng : numpy.random.Generator
 
     Returns
@@ -83,7 +83,7 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, kn
         check_trainable(scene)
         maps = [scene.image, scene.mask()]
         if known is not None:
-            maps.append(known(scene, scene.layer_bins, scene.n_range_bins))
+            maps.append(known(scene))
         whole.append(maps)
     size = np.min([maps[0].shape for maps in whole], axis=0)
     if n_range_bins is not None:

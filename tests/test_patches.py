@@ -8,9 +8,9 @@ from toy_scenes import toy_scene
 from snowsim.patches import draw_index, draw_patches, from_signed, to_signed
 
 
-def places(scene, layer_bins, n_range_bins):
+def places(scene):
     """A third map, which names every pixel."""
-    return np.arange(n_range_bins * scene.n_range_lines).reshape(n_range_bins, -1)
+    return np.arange(scene.image.size).reshape(scene.image.shape)
 
 
 @pytest.mark.parametrize("flip", [False, True])

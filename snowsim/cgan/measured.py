@@ -95,8 +95,8 @@ def draw_batch(generator, ready, settings, *, rng):
     """
     scene, of_snow = ready
 
-    def known(scene, layer_bins, _):
-        return known_map(scene.image, layer_bins, of_snow)
+    def known(scene):
+        return known_map(scene.image, scene.layer_bins, of_snow)
 
     size = (settings.n_range_bins, settings.n_range_lines)
     image, _, crop = draw_patches([scene], *size, known=known, rng=rng)
