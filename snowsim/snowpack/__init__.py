@@ -1,19 +1,13 @@
 """Snow as its users know it: density and depth, what a radar sees of them, accumulation."""
 
-import importlib
+import lazy_loader
 
 # Functions and classes by their module, loaded at first use: who checks settings needs firn alone.
-FACE = {"accumulation": "snow"} | dict.fromkeys(("by_year", "pieces", "table"), "tables")
-FACE |= dict.fromkeys(("Climate", "PRESETS", "Radar", "Snowpack"), "physical")
-FACE |= {"physical_parameters": "physical", "simulate": "simulation"}
-FACE |= dict.fromkeys(("Reflectors", "combine"), "profile")
-
-__all__ = sorted(FACE)
-
-
-def __getattr__(name):
-    """A name of `FACE`."""
-    if name not in FACE:
-        msg = f"module {__name__!r} has no attribute {name!r}"
-        raise AttributeError(msg)
-    return getattr(importlib.import_module(f"{__name__}.{FACE[name]}"), name)
+FACE = {
+    "physical": ["Climate", "PRESETS", "Radar", "Snowpack", "physical_parameters"],
+    "profile": ["Reflectors", "combine"],
+    "simulation": ["simulate"],
+    "snow": ["accumulation"],
+    "tables": ["by_year", "pieces", "table"],
+}
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=FACE)

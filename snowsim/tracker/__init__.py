@@ -3,7 +3,7 @@
 Names are loaded when asked for, so that tracking needs no torch, and training no onnxruntime.
 """
 
-import importlib
+import lazy_loader
 
 from snowsim.constants import OUTPUTS
 from snowsim.settings import TrackerSettings as Settings
@@ -45,18 +45,5 @@ MODULES = {
     "windows": ("log_odds_by_lines", "runner"),
 }
 
-__all__ = [
-    "OUTPUTS",
-    "Settings",
-    "published_settings",
-    *(name for names in MODULES.values() for name in names),
-]
-
-
-def __getattr__(name):
-    """A name of `MODULES`."""
-    for module, names in MODULES.items():
-        if name in names:
-            return getattr(importlib.import_module(f"{__name__}.{module}"), name)
-    msg = f"module {__name__!r} has no attribute {name!r}"
-    raise AttributeError(msg)
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=MODULES)
+__all__ += ["OUTPUTS", "Settings", "published_settings"]
