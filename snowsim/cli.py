@@ -621,9 +621,10 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
         f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
     )
     if "temperature_k" in found.attrs:
+        place = " of the place, by Fausto et al. (2009)" * (settings["temperature_k"] is None)
         click.echo(
             f"density: Herron & Langway (1980) from {found.attrs['surface_density_kg_m3']:g} "
-            f"kg m-3, at {found.attrs['temperature_k']:.4g} K {found.attrs['temperature_by']}"
+            f"kg m-3, at {found.attrs['temperature_k']:.4g} K{place}"
         )
     if png:
         write_picture(picture, layers, [read_echogram(each) for each in echograms], found)

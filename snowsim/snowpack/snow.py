@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers
 from snowsim.limits import check_values
 from snowsim.snowpack.column import column_of, temperature_k_of
@@ -27,6 +27,10 @@ NO_HORIZON = 0.4
 USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
 LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
 KNOWN_DOUBT = 1e-9  # that of the surface and of layers whose year is given
+# Where horizons are missing, the typical mass is so many times the median of spans; how many spans
+# tell.
+SCALES = np.geomspace(0.35, 1.1, 24)
+N_SPANS = 1000
 LEAST_RATIO = 0.01  # of mass to that of a typical year
 IMPOSSIBLE = -30.0  # log-likelihood of a negative number of years
 # Mass of a year over the typical one, beyond which its span is doubtful.
@@ -93,7 +97,7 @@ def accumulation(
         (below_s) is the depth [m] at travel times below the surface. `attrs` hold `uppermost`, the
         horizon that is uppermost on most range lines, with its year, ``snow_2=2011``; `no_horizon`,
         names of layers that are taken for none; `n_below_profile`, the number of picks below the
-        end of a profile; of firn `surface_density_kg_m3`, `temperature_k` and `temperature_by`.
+        end of a profile; of firn `surface_density_kg_m3` and `temperature_k`.
 
     Raises
     ------
@@ -105,13 +109,13 @@ def accumulation(
     -----
     The travel time to depth z below the mass w [m w.e.] is ``t = (2 / c) (z + 0.845 w)`` (Kovacs,
     Gow & Morey 1995). The number of years between two picks follows from their mass over the
-    typical annual mass, a median along track and in depth: the mass of n years is lognormal and
-    scatters by s n^(1/2), where s is the scatter of single years; horizons are missed as often as
-    they turn out to be. A layer has one age along the whole track. Range lines on which different
-    layers lie above it vote for this age, by their log-likelihood. A pick that is more probably no
-    horizon is left out. Then all is repeated with the typical mass that these ages give. Where most
-    picks are of crusts between horizons, half a year counts as one, and accumulation is halved
-    without a flag: compare a core, or a layer of known age.
+    typical annual mass, a median along track and in depth, or, where most horizons are missing, the
+    share of it that makes all masses most probable. The mass of n years is lognormal and scatters
+    by s n^(1/2), where s is the scatter of single years. A layer has one age along the whole track.
+    Range lines on which different layers lie above it vote for this age, by their log-likelihood. A
+    pick that is more probably no horizon is left out. Then all is repeated with the typical mass
+    that these ages give. Where most picks are of crusts between horizons, half a year counts as
+    one, and accumulation is halved without a flag: compare a core, or a layer of known age.
 
     A layer that is as probably none is counted as 1/2 +- 1/2 year, as in ice cores (Rasmussen et
     al. 2006, J. Geophys. Res. 111, D06102): the expected miscount, at most 1/2 for one of two. Its
@@ -133,11 +137,8 @@ def accumulation(
     firn = {}
     if density is None or temperature_k is not None:
         density = SURFACE_DENSITY_KG_M3 if density is None else density
-        firn = {"surface_density_kg_m3": density, "temperature_by": "as given"}
-        if temperature_k is None:
-            temperature_k = temperature_k_of(layers)
-            firn["temperature_by"] = "by position (Fausto et al. 2009)"
-        firn["temperature_k"] = temperature_k
+        temperature_k = temperature_k_of(layers) if temperature_k is None else temperature_k
+        firn = {"surface_density_kg_m3": density, "temperature_k": temperature_k}
     mean_m = FIRST_GUESS_M
     for _ in range(N_ROUNDS if firn else 1):
         column = column_of(density, temperature_k, mean_m)
@@ -146,10 +147,9 @@ def accumulation(
             msg = "layers: expected two horizons on a range line above "
             msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
-        mean_m = float(np.nanmean(dated.year_m))
-    _warn(picks, dated, least_confidence)
-    found = _by_year(layers, picks, column, dated, density_error)
-    return found.assign_attrs(firn, density_error=density_error)
+        mean_m = float(np.nanmean(dated.span_m / dated.n_years))
+    _warn(picks, dated)
+    return _by_year(layers, picks, column, dated, density_error).assign_attrs(firn)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ class _Picks:
 def _picks(layers, least_confidence):
     """`_Picks` of a dataset; layers are left out where most picks are missing or faint."""
     check_layers(layers)
-    layers = layers.transpose("layer", "slow_time", ...)
+    layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
     twtt = layers["twtt"]
     if names[0] not in (SURFACE, "0") or not twtt[0].notnull().any() or len(names) < 2:
@@ -184,11 +184,11 @@ def _picks(layers, least_confidence):
     doubt = (1 - sure).clip(LEAST_DOUBT)
     below[0], doubt[0] = 0, KNOWN_DOUBT
     # A layer that is faint on most lines, as in the tail of the surface's echo, would date others.
-    typical = sure.median("slow_time")
-    kept = np.append(0, np.flatnonzero(typical[1:] >= least_confidence) + 1)
-    faint = np.flatnonzero(typical[1 : kept[1:2].sum()] < least_confidence) + 1
+    used = (sure.median("slow_time") >= least_confidence).values
+    used[0] = True
+    kept = np.flatnonzero(used)
     values = (each.values[kept] for each in (below, error, doubt))
-    return _Picks([names[n] for n in kept], *values, [names[n] for n in faint])
+    return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()])
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,11 +216,6 @@ class _Dated:
         """Whether a span lies between two horizons; below the surface lies no whole year."""
         return self.above > 0
 
-    @property
-    def year_m(self):
-        """Mass of a year [m w.e.] (layer, range_line), NaN where a span is not whole."""
-        return np.where(self.whole, self.span_m / self.n_years, np.nan)
-
 
 def _dated(water_m, picks, year, annual):
     """`_Dated` from the mass above picks (layer, range_line) [m w.e.]."""
@@ -231,17 +226,19 @@ def _dated(water_m, picks, year, annual):
     older = {layer: known[first] - value for layer, value in known.items()}
     doubt = picks.doubt.copy()
     doubt[list(given)] = KNOWN_DOUBT
-    typical_m = _typical(np.diff(np.sort(water_m[1:], axis=0), axis=0))
+    year_m = np.diff(np.sort(water_m[1:], axis=0), axis=0)
+    typical_m = _typical(year_m) * _scale(year_m / _typical(year_m))
     for _ in range(N_ROUNDS):
         age, above, miscount = _vote(water_m / typical_m, doubt, older, first)
         whole = above > 0
-        span_m = np.where(whole, water_m - np.take_along_axis(water_m, above, axis=0), np.nan)
+        span_m = water_m - np.take_along_axis(water_m, above, axis=0)
         n_years = np.where(whole, age[:, None] - age[above], np.nan)
-        typical_m = _typical(span_m / n_years)
+        year_m = span_m / n_years
+        typical_m = _typical(year_m)
     years = water_m / typical_m
     _check_years(years, given)
     open_years = pd.Series(years[1]).median()
-    ratio = span_m / n_years / typical_m
+    ratio = year_m / typical_m
     odd = (ratio < THIN) | (ratio > THICK)
     if annual:
         of_layer = odd.sum(axis=1) > whole.sum(axis=1) / 2
@@ -272,8 +269,8 @@ def _in_order(n_layers, given):
     layers = list(given)
     more = -np.diff(list(given.values())) - np.diff(layers)
     if (more[np.diff(layers) > 1] != 0).any():
-        msg = "year: expected as many years from name to name as layers, where each is one year, "
-        msg += f"found {more[more != 0][0]:+d}: name every layer, or count years"
+        msg = f"year: expected as many years from name to name as layers, found {more} more: name "
+        msg += "every layer, or count years"
         raise ValueError(msg)
     step = np.ones(n_layers, dtype=int)
     step[layers[1:]] += more
@@ -286,10 +283,9 @@ def _check_years(years, given):
     """Refuse given years between which lies far more or less snow (layer, line) than typical."""
     told = -np.diff(list(given.values()))
     found = pd.DataFrame(np.diff(years[list(given)], axis=0)).median(axis=1)
-    bad = np.flatnonzero(np.abs(np.log(found / told)) > np.log(CONTRADICTION))
-    if bad.size:
-        msg = f"year: {told[bad[0]]} years between two names contradict their snow, that of "
-        msg += f"{found[bad[0]]:.2g} typical years"
+    if (np.abs(np.log(found / told)) > np.log(CONTRADICTION)).any():
+        msg = f"year: from name to name {told} years contradict their snow, that of "
+        msg += f"{found.to_numpy().round(1)} typical years"
         raise ValueError(msg)
 
 
@@ -297,6 +293,23 @@ def _typical(year_m):
     """Typical mass of a year (range_line,): the median of `year_m` in depth, then along track."""
     around = pd.DataFrame(year_m).median().rolling(2 * TYPICAL_LINES + 1, 1, center=True)
     return around.median().interpolate(limit_direction="both").to_numpy()
+
+
+def _scale(ratio):
+    """Most probable mass of a typical year, over the median of spans, from the masses of all.
+
+    Where most horizons are missing, the median is of several years.
+    """
+    ratio = ratio[np.isfinite(ratio)]
+    some = np.maximum(ratio[:: 1 + ratio.size // N_SPANS, None], LEAST_RATIO)
+    n_years = np.arange(LONG_YEARS)
+    found = [
+        np.log(
+            np.exp(_log_likelihood(some / scale, n_years, LEAST_DOUBT)).sum(axis=1) / scale
+        ).sum()
+        for scale in SCALES
+    ]
+    return SCALES[np.argmax(found)]
 
 
 def _log_likelihood(ratio, n_years, doubt):
@@ -311,7 +324,7 @@ def _log_likelihood(ratio, n_years, doubt):
     of_mass = -(np.log(ratio / years) ** 2) / (2 * variance) - np.log(2 * np.pi * variance) / 2
     gap = np.where(years == 1, 1 - MISSED, MISSED / np.maximum(years**2 - years, 1))
     whole = np.log((1 - none) * gap / ratio) + of_mass
-    nothing = np.log(none) - max(ratio - 1, 0) ** 2 / (2 * SPREAD**2)
+    nothing = np.log(none) - np.maximum(ratio - 1, 0) ** 2 / (2 * SPREAD**2)
     return np.select([n_years > 0, n_years == 0], [whole, nothing], IMPOSSIBLE)
 
 
@@ -371,16 +384,14 @@ def _ages(ratio, upper_age, doubt):
     return ages, np.exp(likelihood - likelihood.max())
 
 
-def _warn(picks, dated, least_confidence):
+def _warn(picks, dated):
     """Say what may shift every date, and that a span has very many years."""
-    first = f"{picks.names[1]}, the first horizon: every date is a year too late for each that is"
+    shifts = f"{picks.names[1]}, the first horizon: every date is a year too late for each that is"
     longest = dated.n_years[dated.whole].max()
-    left_out = ", ".join(picks.left_out)
+    missing = dated.open_years > THICK and dated.error[1] > 0
     said = {
-        f"{left_out} of confidence below {least_confidence:g} left out above {first} one": left_out,
-        f"snow of {dated.open_years:.2g} typical years lies above {first} missing": (
-            dated.open_years > THICK and dated.error[1] > 0
-        ),
+        f"faint {', '.join(picks.left_out)} left out above {shifts} one": picks.left_out,
+        f"snow of {dated.open_years:.2g} typical years lies above {shifts} missing": missing,
         f"up to {longest:g} years lie between two picks, and have one mean": longest > LONG_YEARS,
     }
     for text, is_so in said.items():
@@ -396,15 +407,16 @@ def _by_year(layers, picks, column, dated, density_error):
     n_years = dated.n_years[layer, line].astype(int)
     thickness_m = depth_m[layer, line] - depth_m[upper, line]
     between_s = picks.below_s[layer, line] - picks.below_s[upper, line]
-    index = SPEED_OF_LIGHT_M_S * between_s / (2 * thickness_m)
     of_picks = np.hypot(picks.error_s[layer, line], picks.error_s[upper, line]) / between_s
-    mean_m = dated.span_m[layer, line] / n_years
+    span_m = dated.span_m[layer, line]
+    density = WATER_DENSITY_KG_M3 * span_m / thickness_m
     # Of years that have one mean, each scatters about it, and so does the density of each.
     of_year = SPREAD * np.sqrt(1 - 1 / n_years)
-    of_snow = DENSITY_SD_KG_M3 * thickness_m / (WATER_DENSITY_KG_M3 * mean_m * n_years**1.5)
-    of_density = np.hypot(density_error, of_snow) / index
+    of_snow = DENSITY_SD_KG_M3 / density / np.sqrt(n_years)
+    of_density = np.hypot(density_error, of_snow) / (1 + KOVACS_M3_KG * density)
     relative = np.hypot(of_picks, NINE_OF_TEN * np.hypot(of_density, of_year))
     sure = dated.sure[layer, line]
+    mean_m = span_m / n_years
     spans = {
         "line": line,
         "year": dated.newest - dated.age[upper],
