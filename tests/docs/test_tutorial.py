@@ -11,6 +11,8 @@ import yaml
 from processes import run_in
 from snakemake.utils import update_config
 
+import snowsim
+
 ROOT = Path(__file__).resolve().parents[2]
 NOT_COPIED = shutil.ignore_patterns(
     ".git",
@@ -94,6 +96,11 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made, monkeypat
 
 
 def test_code_on_the_other_pages_runs(tmp_path):
+    # As tracked, for the page that corrects picks.
+    climate = snowsim.Climate(accumulation_m=0.3)
+    _, layers = snowsim.simulate(climate, "snow-2012", n_range_lines=1000, rng=1)
+    layers["layer"] = ["surface", *(f"snow_{n}" for n in range(1, layers.sizes["layer"]))]
+    layers.assign(confidence=layers["twtt"]).to_netcdf(tmp_path / "NAME_layers.nc")
     pages = [ROOT / "docs/start/add-your-own.md", *sorted((ROOT / "docs/stages").glob("*.md"))]
     n_blocks = 0
     for page in pages:

@@ -38,7 +38,12 @@ def test_every_number_is_finite_and_every_refusal_says_why(atlas):
 def test_easy_ends_come_back_by_the_deblended_estimator_alone(atlas):
     easy = {sweep: values[-1] for sweep, (values, _) in SWEEPS.items()}
     at_the_end = atlas[atlas["value"] == atlas["sweep"].map(easy)]
-    outcome = at_the_end.groupby("estimator")["outcome"].agg(set)
-    assert outcome["deblended"] == {"within"}
+    of_layers = at_the_end["error"].abs().groupby([at_the_end["estimator"], at_the_end["quantity"]])
+    largest = of_layers.max()
+    # Buried layers, planted with rates from .05 to .07, share one in the fit: in their mean it is 4
+    # to 6 % off, at 1 a bin, which a Gaussian of 3.5 bins hides, 8 %, and powers are .5 % off.
+    assert largest["deblended", "decay_rate"] < 0.1
+    assert largest["deblended", "peak_power"] < 0.01
     # The recipe as printed is biased even there, as the design says.
-    assert outcome["paper"] == {"within", "beyond"}
+    assert largest["paper", "decay_rate"] > 0.5
+    assert largest["paper", "peak_power"] > 0.05
