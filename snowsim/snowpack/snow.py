@@ -21,7 +21,8 @@ TYPICAL_LINES = 300  # range lines to either side, whose median mass of a year i
 # Standard deviation of a year's mass over the typical one: years differ (by .13 to .31 in cores),
 # and picks and the typical mass have errors.
 SPREAD = 0.3
-MISSED = 0.3  # share of spans over more than a year
+# Share of spans over more than a year, chosen on half of the cores, a fifth of horizons missing.
+MISSED = 0.3
 # Odds that a pick is no horizon, over the probability that no layer lies there.
 NO_HORIZON = 0.4
 USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
