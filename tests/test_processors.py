@@ -27,6 +27,7 @@ OLDER = {
 N_SCENES = 20
 COMPUTED = """
 import sys
+sys.path.insert(0, "workflow")
 import numpy as np
 import snowsim
 from snowsim.echogram import Scene

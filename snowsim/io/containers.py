@@ -110,7 +110,8 @@ def opened(path):
             held = file.variables.values()
             sizes = [math.prod(each.shape) * getattr(each.dtype, "itemsize", 8) for each in held]
             check_size("variables", sum(sizes))
-            return _labelled(xr.backends.NetCDF4DataStore(file))
+            # The engine is named, or xarray looks for the packages of all.
+            return _labelled(xr.backends.NetCDF4DataStore(file), engine="store")
         if content[USER_BLOCK_BYTES:].startswith(HDF5):
             check_heaps(content)
             file = h5py.File(BytesIO(content))

@@ -226,6 +226,7 @@ def test_decibels_taken_for_power_are_warned_of(tracker, frame):
         tracker.pick(echogram.assign(Data=10 * np.log10(echogram["Data"]) + 120))
 
 
+@quiet
 @pytest.mark.parametrize("n_looks", [1, 100])
 def test_power_of_little_contrast_and_many_looks_is_not_taken_for_decibels(tracker, rng, n_looks):
     echogram, _ = planted(rng, contrast=0.5)
