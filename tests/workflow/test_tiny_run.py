@@ -23,6 +23,7 @@ def test_both_tables_are_complete(tiny_run):
     assert list(table3.columns) == [
         "output",
         *[f"{name}_{metric}" for name in SETS for metric in ("ods", "ois", "ap")],
+        *[f"{name}_f" for name in SETS],
     ]
     scores = table3.drop(columns="output").to_numpy()
     assert np.isfinite(scores).all()
