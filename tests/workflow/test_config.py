@@ -39,7 +39,9 @@ def test_the_schema_accepts_the_default_and_refuses_keys_that_it_does_not_know()
     assert Draft202012Validator(SCHEMA).is_valid(WRITTEN)
     parts = [SCHEMA, *SCHEMA["$defs"].values()]
     for part in parts:
-        parts += [part.get("items", {}), *part.get("properties", {}).values()]
+        if "items" in part:
+            parts.append(part["items"])
+        parts += part.get("properties", {}).values()
         if "properties" in part:
             assert part["additionalProperties"] is False, part
 
