@@ -29,7 +29,7 @@ WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10
 ONE_IN = 10  # one scene in this many is held out for the calibration
-LEAST_SCORED = 10  # scenes held out, below which no score is told
+LEAST_SCORED = 10  # fewest held-out scenes for which a score is reported
 N_BOOTSTRAP = 1000
 
 

@@ -317,10 +317,7 @@ def _pick(pair, *, threshold, bin_s, **limits):
         image = _read_image(prediction, truth)
         layer_bins = image.layer_bins
         picks = pick_layers(image.probability, threshold=threshold, where=str(prediction))
-    layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
-    if len(layer_bins) == 0:
-        return _false_layers(picks)
-    return layer_rows(picks, layer_bins, **limits)
+    return layer_rows(picks, layer_bins[np.isfinite(layer_bins).any(axis=1)], **limits)
 
 
 def _picks_and_truth(prediction, truth, bin_s):
@@ -344,16 +341,6 @@ def _lines(picks):
     """Range lines of layers, as a message tells them."""
     n_lines = picks.layer_bins.shape[1]
     return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
-
-
-def _false_layers(picks):
-    """`layer_rows` where truth has no layer: every layer that was picked is false."""
-    n_picks = np.isfinite(picks).sum(axis=1)
-    n_picks = n_picks[n_picks > 0]
-    rows = pd.DataFrame(0, index=range(n_picks.size), columns=list(SUMS))
-    rows["n_picks"] = n_picks
-    rows["n_false_layers"] = 1
-    return rows
 
 
 def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):

@@ -45,7 +45,7 @@ class Step:
         ``function(batch)`` of nested dicts of tensors on the device gives a tensor of losses. What
         else it changes are tensors of `optimisers`, all in place; it does not wait for the device.
     optimisers : sequence of torch.optim.Optimizer
-        Of weights that have gradients and moments already: `ready_for_capture`.
+        They have moments (`adaptive`) and their weights gradients (`allocate_gradients`) already.
     device : str
     """
 

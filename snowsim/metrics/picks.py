@@ -86,8 +86,9 @@ def _align(expected, found, max_distance):
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     """Table of a scene: one row for each true and each false layer, summed over range lines.
 
-    `picks` and `layer_bins` are those of `match_picks`; layer 0, the surface, must be present. A
-    picked layer is false if less than half of its picks belong to true layers. Columns are:
+    `picks` and `layer_bins` are those of `match_picks`; layer 0, the surface, must be present, or
+    no layer at all. A picked layer is false if less than half of its picks belong to true layers.
+    Columns are:
 
     - `layer`: number of the true layer, -1 for a false one;
     - `depth_bins`: its mean depth below the surface [range bins];
@@ -103,7 +104,7 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
     error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
-    surface_bin = np.nanmean(layer_bins[0])
+    surface_bin = np.nanmean(layer_bins[0]) if len(layer_bins) else np.nan
     thickness_error = np.diff(error_bins, axis=0, prepend=np.nan)
     rows = []
     for layer, truth in enumerate(layer_bins):

@@ -52,7 +52,7 @@ rule score_tracker:
         gpu=int(TRACKER["device"] == "cuda"),
     params:
         device=TRACKER["device"],
-        # The published code has thresholds of its own; beside its loss, both are told.
+        # A tracker with the published loss is also scored at the published thresholds.
         as_published=TRACKER["training"]["layer_share"] is None,
     message:
         "edge scores of {wildcards.training_set}, every replica"
