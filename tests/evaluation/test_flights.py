@@ -13,7 +13,7 @@ from reference import checked_settings
 
 
 def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown():
-    for flight in flights.flights_of(20):
+    for flight in flights.flights_of(2000, 20):
         drawn = flights.draw_reference(CONFIG["reference"], int(flight))
         checked_settings(drawn)
         for group, ranges in flights.RANGES.items():
@@ -28,6 +28,7 @@ def test_flights_differ_in_seed_climate_and_radar_alone():
     assert first["reference"]["radar"] != second["reference"]["radar"]
     assert first["tracker"]["n_seeds"] == CONFIG["studies"]["flights"]["n_trainings"]
     for own in (first, second):
+        assert own["benchmark"].pop("test_seed") == own["seed"]
         del own["seed"], own["reference"]
     assert first == second
 

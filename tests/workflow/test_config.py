@@ -145,6 +145,16 @@ def test_the_configuration_of_the_paper_s_scale_needs_no_default_beside_it(tmp_p
     assert alone.globals["config"] == beside.globals["config"]
 
 
+def test_the_test_seed_draws_the_test_scenes_alone(tmp_path):
+    plan = parsed(tmp_path, targets=["flight"], benchmark={"test_seed": 5})
+    drawn = [job for job in plan.dag.jobs if job.rule.name == "reference_scenes"]
+    seeds = {job.wildcards.split: job.params.scene_seed for job in drawn}
+    seed = CONFIG["seed"]
+    assert seeds == {"train": seed, "validation": seed, "test": 5}
+    # The years of snow are the flight's.
+    assert {job.params.seed for job in drawn} == {seed}
+
+
 def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
     plan = parsed(tmp_path, targets=["as_printed"])
     files = {file for job in plan.dag.jobs for file in job.output}

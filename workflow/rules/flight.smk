@@ -44,6 +44,9 @@ if SOURCE == "reference":
             results_mb=lambda w: scenes_mb(w.split, w.shard, 110),
         params:
             seed=config["seed"],
+            scene_seed=lambda w: (
+                config["benchmark"]["test_seed"] if w.split == "test" else config["seed"]
+            ),
             reference=config["reference"],
             n_looks=config["benchmark"]["n_looks"],
             span=lambda w: shard_range(w.split, w.shard),

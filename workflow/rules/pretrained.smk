@@ -84,6 +84,7 @@ rule other_flight_scenes:
         mem_mb=1500,
     params:
         seed=lambda w: OTHER_FLIGHTS[w.other_flight]["seed"],
+        scene_seed=lambda w: OTHER_FLIGHTS[w.other_flight]["seed"],
         reference=lambda w: transfer.reference_of(
             OTHER_FLIGHTS[w.other_flight], config["reference"]
         ),

@@ -4,7 +4,6 @@ import copy
 
 from snowsim.seeding import random_stream
 
-FIRST_SEED = 2000  # seeds from 1000 to 1999 serve for choosing settings
 # Ranges from which settings of a flight are drawn uniformly. They lie about the defaults, as far as
 # flights over dry snow of Greenland and radars of this kind differ. Other settings stay as
 # configured.
@@ -39,9 +38,9 @@ RANGES = {
 }
 
 
-def flights_of(n_flights):
+def flights_of(first_seed, n_flights):
     """Names of the flights, each its seed."""
-    return [str(FIRST_SEED + number) for number in range(n_flights)]
+    return [str(first_seed + number) for number in range(n_flights)]
 
 
 def draw_reference(reference, seed):
@@ -62,6 +61,7 @@ def flight_config(config, flight):
     """
     own = copy.deepcopy(config)
     own["seed"] = int(flight)
+    own["benchmark"]["test_seed"] = own["seed"]
     own["reference"] = draw_reference(config["reference"], own["seed"])
     own["tracker"]["n_seeds"] = config["studies"]["flights"]["n_trainings"]
     # Each run keeps its unfinished trainings in its own folder.

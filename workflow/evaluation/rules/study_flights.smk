@@ -9,7 +9,8 @@ import sys
 import yaml
 from evaluation.lib import flights
 
-FLIGHTS = flights.flights_of(config["studies"]["flights"]["n_flights"])
+FLOWN = config["studies"]["flights"]
+FLIGHTS = flights.flights_of(FLOWN["first_seed"], FLOWN["n_flights"])
 SCORED_SETS = [*TRAINING_SETS, *ALONE, "rd_full"]
 
 
