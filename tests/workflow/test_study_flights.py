@@ -28,7 +28,7 @@ def test_the_control_differs_from_rd_in_its_labels_alone(tmp_path):
 def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_path):
     plan = parsed(tmp_path, targets=["study_flights"])
     seeds = {job.wildcards.flight: job.params.settings["seed"] for job in jobs_of(plan, "fly")}
-    assert seeds == {"2000": 2000, "2001": 2001}
+    assert seeds == {"3000": 3000, "3001": 3001}
     assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/scores.csv"]), "fly")
 
 
@@ -68,7 +68,7 @@ def test_two_small_flights_run_to_their_table_and_figure(tmp_path):
     sets = {name for pair in PAIRS for name in pair}
     assert len(worth) == 3 * (len(PAIRS) + len(sets))
     assert np.isfinite(worth.loc[:, "mean":]).all(axis=None)
-    assert {"flight_2000", "flight_2001"} <= set(worth)
+    assert {"flight_3000", "flight_3001"} <= set(worth)
     assert (tmp_path / "results/figures/flights_worth.svg").stat().st_size > 1000
 
 
