@@ -24,7 +24,8 @@ BOTTOM = r"\b(bottom|bot|base|lower|to|stop|end)\b"
 MIDDLE = r"\b(mid|middle|midpoint|centre|center)\b"
 DEPTH = rf"\bdepth\b|{TOP}|{BOTTOM}|{MIDDLE}"
 NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
-WATER = r"\b(m?w ?e|m?w ?eq|water)\b"  # equivalent: no depth in snow
+# Of water, or of ice, equivalent: no depth in snow.
+EQUIVALENT = r"water|equiv|h2o|\b(eqv?|[cm]?m?(s?w|i) ?e(qv?)?|kg ?m ?2)\b"
 # A block of remarks in front of the header, as PANGAEA has it; a number that stands for none.
 REMARKS = re.compile(r"\s*/\*.*?\*/\s*", re.DOTALL)
 MISSING = -9999
@@ -79,15 +80,16 @@ def read_profile(
         beside = _named(others, THICKNESS)[:1]
         depth = _column(path, others.drop(columns=beside), "depth", DEPTH, depth_column)
     values, below = _numbers(path, table[[depth, density, *beside]])
-    depth_words = f"{depth} {below.get(depth, '')}"
-    depth_unit = _choice(path, depth_words, "depth_unit", depth_unit)
-    density_words = f"{density} {below.get(density, '')}"
+    told = {name: f"{name} {below.get(name, '')}" for name in values}
     fitting = _fitting(values[density])
-    density_unit = _choice(path, density_words, "density_unit", density_unit, fitting)
+    density_unit = _choice(path, told[density], "density_unit", density_unit, fitting)
     density_kg_m3 = FACTORS[density_unit] * values[density].to_numpy()
-    in_m = FACTORS[depth_unit] * values.drop(columns=density)
-    depth_m = in_m[depth].to_numpy()
-    thickness_m = in_m[beside[0]].to_numpy() if beside else None
+    depth_unit = _choice(path, told[depth], "depth_unit", depth_unit)
+    depth_m = FACTORS[depth_unit] * values[depth].to_numpy()
+    thickness_m = None
+    for name in beside:
+        unit = _choice(path, told[name], "depth_unit", None, depth_unit)
+        thickness_m = FACTORS[unit] * values[name].to_numpy()
     if of_both_ends:
         thickness_m = thickness_m - depth_m
     place = _choice(path, depth, "depth_of", depth_of, _likely_place(depth_m, thickness_m))
@@ -122,7 +124,7 @@ def _named(table, pattern):
     """Columns whose names have one of the words, and none that tells another quantity."""
     told = {name: _words(name) for name in table.columns}
     found = [name for name, words in told.items() if re.search(pattern, words)]
-    return [name for name in found if not re.search(f"{NOT_MEANT}|{WATER}", told[name])]
+    return [name for name in found if not re.search(f"{NOT_MEANT}|{EQUIVALENT}", told[name])]
 
 
 def _column(path, table, quantity, pattern, name):
@@ -163,7 +165,7 @@ def _choice(path, column, option, given, likely=None):
     choices = CHOICES[option]
     column = column.strip()
     words = _words(column)
-    if re.search(WATER, words):
+    if re.search(EQUIVALENT, words):
         raise refusal(path, column, "depth in snow", "water equivalent")
     told = [choice for choice, pattern in choices.items() if re.search(pattern, words)]
     if given is not None:

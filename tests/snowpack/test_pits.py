@@ -49,6 +49,7 @@ def read(tmp_path):
         "depth_cm,thickness_cm,density\n0,10,310\n10,10,420\n20,10,",
         "bottom depth (cm),density\n10,310\n20,420\n30,",
         "depth_cm,thickness_cm,density\n5,10,310\n15,10,420\n25,10,",
+        "depth_m,thickness_cm,density\n.05,10,310\n.15,10,420\n.25,10,",
     ],
 )
 @pytest.mark.filterwarnings("ignore:profile")
@@ -102,7 +103,25 @@ def test_tables_as_pangaea_and_sumup_give_them_are_read(read):
 
 
 @pytest.mark.parametrize(
-    "header", ["depth_m_we", "Depth w.e. [m]", "depth (m w.eq.)", "depth_mwe", "water depth [m]"]
+    "header",
+    [
+        "depth_m_we",
+        "Depth w.e. [m]",
+        "depth (m w.eq.)",
+        "depth_mwe",
+        "water depth [m]",
+        "Depth water equiv [m w.e.]",
+        "Depth_mweq",
+        "depth.we",
+        "depth_mmwe",
+        "SWE depth (mm)",
+        "Depth [m H2O]",
+        "depthWaterEquivalent_m",
+        "Depth (kg m-2)",
+        "depth m.w.eqv.",
+        "Depth ice equiv [m]",
+        "depth (m i.e.)",
+    ],
 )
 def test_depth_in_water_equivalent_is_no_depth_in_snow(read, header):
     rows = "\n0.016,310\n0.052,420\n"
