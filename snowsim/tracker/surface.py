@@ -26,7 +26,8 @@ def find_surface(power_db, given):
     """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
 
     It is the largest of the next few bins where their mean exceeds that of the air above by most,
-    of what was recorded; where too little of either was, nothing rises. A line that leaves the
+    of what was recorded; where too little air was, its median above the surface of other lines
+    counts; where too little snow was, nothing rises. A line that leaves the
     running median by more than a few bins takes the median. And by what share of that power rises
     at the surface given, (range_line,): all of it where the snow below was recorded but no air
     above, NaN where that is unknown.
@@ -41,7 +42,11 @@ def find_surface(power_db, given):
     power_db = np.pad(power_db, ((n_above, 0), (0, 0)), constant_values=np.nan)
     snow = _means(power_db, SNOW_BINS, LEAST_SNOW_BINS)[first + n_above :]
     air = _means(power_db, AIR_BINS, LEAST_AIR_BINS)[: len(snow)]
+    untold = np.isfinite(snow) & np.isnan(air)
     rise = np.nan_to_num(snow - air, nan=-np.inf)
+    above = np.take_along_axis(air, rise.argmax(axis=0)[None], axis=0)
+    if untold.any() and np.isfinite(above).any():
+        rise = np.where(untold, snow - np.nanmedian(above), rise)
     at = first + rise.argmax(axis=0)
     near = at + n_above + np.arange(SNOW_BINS)[:, None]
     near_db = np.take_along_axis(np.nan_to_num(power_db, nan=-np.inf), near, axis=0)
@@ -49,7 +54,6 @@ def find_surface(power_db, given):
     known &= np.isfinite(rise.max(axis=0))
     found[known] = without_outliers(found[known])
     found[~known] = np.nan
-    untold = np.isfinite(snow) & np.isnan(air)
     rise = np.where(untold, rise.max(axis=0), rise)
     return found, _share_of_rise(rise, given - first)
 

@@ -131,6 +131,15 @@ def test_a_given_surface_stays_where_too_little_air_was_recorded_to_judge_it(tra
     assert not off_bins(tracker, echogram, surface).any()
 
 
+def test_a_surface_that_is_not_given_is_found_where_hardly_any_air_was_recorded(tracker, rng):
+    echogram = with_looks(planted(rng)[0], 1, rng)
+    surface = with_slanting_window(echogram, 0)
+    echogram["Surface"][:] = np.nan
+    off = np.abs(off_bins(tracker, echogram, surface))
+    # The next layer lies 40 bins below.
+    assert (off < 8).mean() > 0.99
+
+
 def with_slanting_window(echogram, n_air_bins):
     """Surface of an echogram [s], above which so few bins and 40 more stay recorded in turn."""
     surface = echogram["Surface"].values.copy()
