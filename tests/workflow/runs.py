@@ -78,8 +78,9 @@ def command(
 
 
 def environment(**changes):
-    """Environment of a run: the package is the copy's."""
-    return {**os.environ, "PYTHONPATH": str(source_tree()), **changes}
+    """Environment of a run: the package is the copy's, compiled once for all jobs."""
+    own = {"PYTHONPATH": str(source_tree()), "PYTHONDONTWRITEBYTECODE": ""}
+    return os.environ | own | changes
 
 
 def call(*words, cwd=None, timeout=300, env=None):
@@ -116,10 +117,17 @@ def parsed(folder, configs=TINY, targets=(), snakefile="Snakefile", **config):
             snakefile=ROOT / snakefile,
             workdir=folder,
         )
-        dag = workflow.dag(DAGSettings(targets=set(targets)))
+        # As in the profile.
+        dag = workflow.dag(DAGSettings(targets=set(targets), max_checksum_file_size=4 * 10**9))
         if targets:
             dag.execute_workflow(executor="dryrun")
         return dag.workflow_api._workflow
+
+
+def jobs_to_run(workflow):
+    """Jobs of a plan that are to run, that of the default target left out."""
+    jobs = workflow.dag.needrun_jobs(exclude_finished=False)
+    return [job for job in jobs if job.rule.name != "all"]
 
 
 def refused(folder, *configs, **config):
