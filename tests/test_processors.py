@@ -24,7 +24,7 @@ OLDER = {
     "ATEN_CPU_CAPABILITY": "default",
     "ONEDNN_MAX_CPU_ISA": "AVX2",
 }
-N_SCENES = 20
+N_SCENES = 8
 COMPUTED = """
 import sys
 sys.path.insert(0, "workflow")
@@ -42,8 +42,8 @@ from snowsim.tracker import Settings, Training, train_steps
 settings = checked_settings({"radar": {"n_range_bins": 500}})
 climate = draw_climate(settings, rng=np.random.default_rng(1))
 frames = [
-    draw_frame(i, 4, 1024, climate=climate, settings=settings, rng=np.random.default_rng(i))
-    for i in range(4)
+    draw_frame(i, 2, 1024, climate=climate, settings=settings, rng=np.random.default_rng(i))
+    for i in range(2)
 ]
 found = {"frames": np.concatenate([echogram["Data"].values for echogram, _ in frames], axis=1)}
 for name, variable in fit(frames).variables.items():
