@@ -88,9 +88,7 @@ def check_times(dataset, gps_time):
     assert (late <= np.timedelta64(300, "ns")).all()
 
 
-def write_nsidc(
-    path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"
-):
+def write_nsidc(path, content, *, transposed=False, seconds=None, drop=(), format="NETCDF4"):
     """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as of MATLAB."""
     seconds = np.asarray(content["GPS_time"]) - GPS_START if seconds is None else seconds
     amplitude = (("fasttime", "time"), to_db(content["Data"]), {"units": "counts in dB"})
@@ -106,7 +104,8 @@ def write_nsidc(
         variables[theirs] = ("time", content[ours])
     for name in ("Roll", "Pitch", "Heading"):
         variables[name.lower()] = ("time", np.degrees(content[name]), {"units": "degrees"})
-    variables |= {name: ("time", values) for name, values in (extra or {}).items()}
+    if "Elevation_Correction" in content:
+        variables["Elevation_Correction"] = ("time", content["Elevation_Correction"])
     file = xr.Dataset(variables, attrs={"min_time_bound": "20120330T00:00:15 GPS"})
     file = file.drop_vars(drop) if transposed else file.drop_vars(drop).transpose("time", ...)
     no_fill = {name: {"_FillValue": None} for name in file.variables}

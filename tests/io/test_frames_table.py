@@ -148,11 +148,3 @@ def test_layers_of_gps_time_are_named_as_such_where_they_fit_or_reach_over(
     stored = formats.layer_content([longer["Surface"]], [9], times)
     formats.write_mat5(flight / LAYERS, stored)
     assert read_frame(rows[1])[1].sizes["slow_time"] == n_lines
-
-
-def test_compensated_files_give_the_frame_of_the_plain_ones(flight, rows, content):
-    stored = formats.compensated(content, np.arange(formats.N_LINES) % 7, n_kept=formats.N_BINS)
-    formats.write_mat73(flight / "c.mat", stored)
-    (plain, picks), (undone, same_picks) = map(read_frame, rows[1:])
-    assert_allclose(undone["Elevation"], plain["Elevation"], rtol=1e-12)
-    assert_allclose(same_picks["twtt"], picks["twtt"], atol=formats.BIN_S / 100)

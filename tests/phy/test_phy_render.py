@@ -31,25 +31,24 @@ def test_render_draws_what_the_form_as_printed_draws(exact, planted, rng):
 
 
 @pytest.mark.parametrize("exact", [True, False])
-def test_speckle_and_gain_are_those_of_the_parameters(exact, planted):
+def test_speckle_is_that_of_the_parameters(exact, planted):
     layer_bins, parameters = planted
     plain = render(layer_bins, parameters, N_RANGE_BINS, exact=exact, rng=1)
     assert plain.dtype == (np.float64 if exact else np.float32)
     assert_array_equal(plain, render(layer_bins, parameters, N_RANGE_BINS, exact=exact, rng=1))
-    varied = parameters | {"speckle_correlation": [1, 0.4, 0.1], "line_gain_spread_db": 3.0}
+    varied = parameters | {"speckle_correlation": [1, 0.4, 0.1]}
     air = render(layer_bins, varied, N_RANGE_BINS, exact=exact, rng=1)[:20]
-    # Speckle scatters a line's mean by 0.3 dB, the deviation of 64 lines is known to 9 %.
-    assert_allclose((10 * np.log10(air.mean(axis=0))).std(), 3, atol=4 * 0.3)
     # 64 lines of 20 bins give a correlation to 0.03; less the lines' own means, 0.07 in each.
     air = air / air.mean(axis=0) - 1
     neighbours = (air[:-1] * air[1:]).mean() / (air**2).mean()
     assert_allclose(neighbours, 0.4 - 0.07, atol=4 * 0.03)
 
 
-def test_gain_has_mean_1_and_the_spread_asked_for():
+@pytest.mark.parametrize("exact", [True, False])
+def test_gain_has_mean_1_and_the_spread_asked_for(exact):
     noise = {"noise_power": 1.0, "n_looks": 1e6, "line_gain_spread_db": 0.5}
     nothing = dict.fromkeys(("peak_power", "variance_bins2", "decay_rate"), [])
-    gain = render(np.empty((0, 100_000)), nothing | noise, 1, rng=1)
+    gain = render(np.empty((0, 100_000)), nothing | noise, 1, exact=exact, rng=1)
     assert_allclose(gain.mean(), 1, atol=2e-3)
     assert_allclose((10 * np.log10(gain)).std(), 0.5, rtol=0.01)
 

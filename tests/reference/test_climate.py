@@ -8,7 +8,6 @@ from reference.climate import draw_waves
 from reference.line import line_coordinates, line_length_km, place_at
 from reference.settings import Settings, check_window
 from snowsim.snowpack.along_track import draw_along_track
-from snowsim.snowpack.firn import temperature_fausto09
 
 
 def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances():
@@ -21,12 +20,6 @@ def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_
     cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * turn
     # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
     assert_allclose(6371 * np.arccos(cosine), 10, rtol=1e-8)
-
-
-def test_summit_is_as_cold_as_it_is():
-    # GISP2, 72.6 N 38.5 W, 3200 m: mean annual air temperature near -30 C; the fit's own error is a
-    # few K.
-    assert abs(temperature_fausto09(3200, 72.6, -38.5) - 243.5) < 3
 
 
 def test_percolation_is_rare_at_the_low_end_and_accumulation_in_the_range_of_the_ice_sheet(climate):

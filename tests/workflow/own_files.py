@@ -49,7 +49,5 @@ def write_echogram(folder, name, content):
     # Seconds of day fall back at midnight; a frame begun after it counts on.
     if seconds[0] < 86_400:
         seconds %= 86_400
-    extra = {"Elevation_Correction": made.pop("Elevation_Correction")}
-    made.pop("Truncate_Bins")
-    formats.write_nsidc(folder / name, made, seconds=seconds, extra=extra)
+    formats.write_nsidc(folder / name, made, seconds=seconds)
     return folder / name
