@@ -34,6 +34,14 @@ def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
     return table
 
 
+def closed_loop():
+    """Two peak powers 1 and 5 % off, a width a bin off."""
+    rows = [("peak_power", 0.01), ("peak_power", -0.05), ("width_bins", 1.0)]
+    table = pd.DataFrame(rows, columns=["quantity", "error"])
+    table = table.assign(unit=["relative", "relative", "bins"], bound=[0.03, 0.03, 1.0])
+    return table.assign(within=table["error"].abs() <= table["bound"])
+
+
 def picks():
     """Errors of picks of two trainings a set: 0.5 and 1.5 bins, the same counts."""
     table = pd.DataFrame(product(SETS, range(2)), columns=["training_set", "replica"])

@@ -14,6 +14,7 @@ TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
 SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
 SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
 N_DEPTHS = 800
+NAME_SHARES = (0.05, 0.02)  # width and height of a name, of the picture's
 SHOWN_YEARS = 5  # from one error of age to the next
 
 
@@ -82,12 +83,20 @@ def _draw_layers(axes, layers, distance, depth_m):
         of_value = np.where(layers["quality"].values == value, depth_m, np.nan)
         first, *_ = axes.plot(distance, of_value.T, color=colour, lw=1)
         first.set_label(name)
+    ends = []
+    wide, high = NAME_SHARES[0] * np.ptp(distance), NAME_SHARES[1] * np.nan_to_num(depth_m).max()
     for name, of_layer in zip(layers["layer"].values, depth_m, strict=True):
         if not np.isfinite(of_layer).any():
             continue
         last = np.flatnonzero(np.isfinite(of_layer))[-1]
-        axes.text(distance[last], of_layer[last], str(name), fontsize=5, color="#56b4e9")
-    axes.legend(fontsize="small", ncols=3, loc="lower left")
+        x, y = distance[last], of_layer[last]
+        # Downwards past the names above that end nearby.
+        for other_y in sorted(other_y for other_x, other_y in ends if abs(x - other_x) < wide):
+            if abs(y - other_y) < high:
+                y = other_y + high
+        ends.append((x, y))
+        axes.text(x, y, str(name), fontsize=5, color="#56b4e9")
+    axes.legend(fontsize="small", ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
 
 
 def _distance(layers):

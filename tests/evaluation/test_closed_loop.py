@@ -13,7 +13,6 @@ from evaluation.lib.closed_loop import (
     recovery_table,
     thinned,
 )
-from evaluation.lib.figures.closed_loop import closed_loop as draw_closed_loop
 from snowsim import statistics
 from snowsim.echogram import layer_bins_of
 from snowsim.statistics import estimate, merge, summarise
@@ -106,4 +105,3 @@ def test_renders_too_poor_for_statistics_give_an_empty_table_and_say_why(fitted,
     assert list(table.columns) == COLUMNS
     reason = "zones need slab 0 picked in half of a block of 256 lines"
     assert f"from {bare.sizes['frame']} renders: {reason}" in caplog.text
-    assert draw_closed_loop(table).axes

@@ -6,7 +6,8 @@ import pytest
 import yaml
 from runs import parsed, run_snakemake
 
-from evaluation.lib.figures.charts import cost_worth
+from evaluation.lib.figures.charts import plot_task
+from evaluation.lib.figures.style import new_panel
 from evaluation.lib.flight_scores import PAIRS
 
 
@@ -56,7 +57,9 @@ def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_pa
     assert (table[["training_s"]] > 0).all(axis=None)
     costs = table.groupby("training_set")["scenes_s"].max()
     assert costs["rd"] == 0 < costs["pd"] < costs["gd"]
-    assert len(cost_worth(table).axes[0].lines) == 4
+    _, ax = new_panel()
+    plot_task(ax, table)
+    assert len(ax.lines) == 4
 
 
 @pytest.mark.study

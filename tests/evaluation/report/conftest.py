@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from result_tables import picks, table2, table3_intervals
+from result_tables import closed_loop, picks, table2, table3_intervals
 from toy_scenes import toy_scene
 
 from evaluation.lib.figures.style import METHODS, new_panel, save_figure
@@ -31,6 +31,7 @@ def planted_tables():
         "two_sample": two_sample.assign(
             classifier="network", first_row=-1, accuracy=0.8, low=0.7, high=0.9
         ),
+        "closed_loop": closed_loop(),
     }
 
 

@@ -3,7 +3,7 @@
 import re
 
 import numpy as np
-from result_tables import table2, table3_intervals
+from result_tables import closed_loop, table2, table3_intervals
 
 from evaluation.lib.report import (
     compare_table2,
@@ -12,6 +12,7 @@ from evaluation.lib.report import (
     layer_lines,
     page_content,
     read_benchmarks,
+    recovered,
 )
 
 
@@ -52,6 +53,14 @@ def test_the_page_shows_tables_figures_and_that_the_flight_is_synthetic(planted_
     assert cells["phy.n_looks"] == ["16"]
     assert "<h3>The flight and its statistics</h3>" in text
     assert "A wave (paper, Fig. 6)." in text
+
+
+def test_the_closed_loop_is_a_row_a_quantity():
+    rows = recovered(closed_loop()).to_numpy().tolist()
+    assert rows == [
+        ["peak power", 2, "3.0%", "3.0%", "0.50"],
+        ["width bins", 1, "1.0 bins", "1.0 bins", "1.00"],
+    ]
 
 
 def test_stages_cost_what_their_rules_cost(tmp_path):

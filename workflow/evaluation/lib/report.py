@@ -21,8 +21,8 @@ STAGES = {
     "renders": "Renders by PHY and by the conditional GAN",
     "similarity": "Similarity of renders to observed scenes",
     "tracker": "Layer trackers",
-    "charts": "Speed against accuracy, cost against worth, and where methods fail",
-    "closed_loop": "Closed loop: statistics in, renders, statistics out",
+    "charts": "Speed against accuracy, and where methods fail",
+    "diagnostics": "Label sets beside the flight: two-sample test, closed loop",
 }
 DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # decimals in Table II
 METRICS = ("ods", "ois", "ap")
@@ -57,6 +57,7 @@ def page_content(tables, paper, printed, jobs, config, note):
         "n_trainings": int(intervals["n_replicas"].max()),
         "picks": errors_of_picks(tables["picks"]),
         "two_sample": distinguished(tables["two_sample"]),
+        "closed_loop": recovered(tables["closed_loop"]),
         "stage_costs": costs(jobs, "stage"),
         "rule_costs": costs(jobs, "rule"),
         "machine": describe_machine(),
@@ -140,6 +141,19 @@ def distinguished(two_sample):
         name = "the other half of the observed" if row.scenes == "observed" else NAMES[row.scenes]
         rows.append([name, f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]"])
     return pd.DataFrame(rows, columns=["Observed scenes and", "Accuracy"])
+
+
+def recovered(closed_loop):
+    """Table of errors of statistics re-estimated from renders, by quantity, as texts."""
+    sizes = closed_loop.assign(error=closed_loop["error"].abs())
+    rows = []
+    for quantity, part in sizes.groupby("quantity", sort=False):
+        form = "{:.1f} bins" if part["unit"].iloc[0] == "bins" else "{:.1%}"
+        median, bound = (form.format(part[name].median()) for name in ("error", "bound"))
+        name = NAMES.get(quantity, quantity.replace("_", " "))
+        rows.append([name, len(part), median, bound, f"{part['within'].mean():.2f}"])
+    columns = ["Statistic", "Values", "Median error", "Bound", "Share within"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def summary(table2, intervals, jobs):

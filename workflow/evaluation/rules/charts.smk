@@ -1,4 +1,4 @@
-# Speed against accuracy of PHY, where it and the estimators of statistics fail, and what scores of trackers cost.
+# Speed against accuracy of the task and of PHY, and where PHY and the estimators of statistics fail.
 
 
 rule measure_phy:
@@ -47,21 +47,12 @@ rule plot_charts:
         # What `snakemake study_budgets` left.
         budgets=ROOT / "workflow/evaluation/measured_budgets.csv",
     output:
-        **drawn("charts", "speed_accuracy.svg", "atlas.svg", "cost_worth.svg"),
+        **drawn("charts", "speed_accuracy.svg", "atlas.svg"),
     log:
         "logs/plot_charts.log",
     benchmark:
         "results/benchmarks/plot_charts/all.tsv"
     message:
-        "figures of speed, accuracy, failure and cost"
+        "figures of speed, accuracy and failure"
     script:
         "../scripts/plot_charts.py"
-
-
-rule charts_phy:
-    input:
-        rules.measure_phy.output,
-        rules.draw_atlases.output,
-        rules.plot_charts.output,
-    message:
-        "speed-accuracy charts and atlases of PHY and of the estimators"

@@ -65,11 +65,3 @@ rule tabulate_closed_loop:
         "statistics of renders of all label sets, beside those they were rendered from"
     script:
         "../scripts/tabulate_closed_loop.py"
-
-
-rule closed_loop:
-    input:
-        rules.tabulate_closed_loop.output.table,
-        rules.plot_closed_loop.output,
-    message:
-        "statistics that went into PHY beside those re-estimated from its renders"

@@ -14,8 +14,10 @@ rule plot_flight:
         statistics="results/statistics.nc",
         frames=expand("results/flight/{frame}.nc", frame=FRAMES),
         picks=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
+        # Natural Earth, 1:110,000,000, public domain.
+        coast=ROOT / "workflow/evaluation/greenland_coast.csv",
     output:
-        **drawn("flight", "waveforms.svg", "along_track.svg", *OF_FRAMES),
+        **drawn("flight", "waveforms.svg", *OF_FRAMES),
     log:
         "logs/plot_flight.log",
     benchmark:
@@ -50,14 +52,13 @@ rule plot_labels:
 rule plot_renders:
     input:
         statistics="results/statistics.nc",
-        losses="results/cgan/losses.csv",
         observed=benchmark_files("test"),
         cgan_test=rendered_files("cgan", "test"),
         phy_test=rendered_files("phy", "test"),
         cgan_labels=expand("results/cgan/labels/{shard}.nc", shard=first_shards(100)),
         phy_labels=expand("results/phy/labels/{shard}.nc", shard=first_shards(100)),
     output:
-        **drawn("renders", "cgan_losses.svg", "sample.svg"),
+        **drawn("renders", "sample.svg"),
     log:
         "logs/plot_renders.log",
     benchmark:
@@ -66,7 +67,7 @@ rule plot_renders:
         **DRAWING,
         n_labels=100,
     message:
-        "figures of the cGAN's training and of renders"
+        "figure of renders"
     script:
         "../scripts/plot_renders.py"
 
@@ -99,7 +100,7 @@ rule plot_tracker:
         picks_by_depth="results/tables/picks_by_depth.csv",
         precision_recall="results/tables/precision_recall.csv",
     output:
-        **drawn("tracker", "picks.svg", "side_outputs.png", "precision_recall.svg"),
+        **drawn("tracker", "picks.svg", "precision_recall.svg"),
     log:
         "logs/plot_tracker.log",
     benchmark:
@@ -114,27 +115,3 @@ rule plot_tracker:
         "figures of the trackers"
     script:
         "../scripts/plot_tracker.py"
-
-
-rule plot_closed_loop:
-    input:
-        table="results/tables/closed_loop.csv",
-    output:
-        **drawn("closed_loop", "closed_loop.svg"),
-    log:
-        "logs/plot_closed_loop.log",
-    benchmark:
-        "results/benchmarks/plot_closed_loop/all.tsv"
-    params:
-        source=f"{NOTE}, and PHY renders of its statistics",
-    message:
-        "figure of the closed loop"
-    script:
-        "../scripts/plot_closed_loop.py"
-
-
-rule charts:
-    input:
-        rules.plot_flight.output,
-    message:
-        "figures of the flight and of its statistics"

@@ -7,7 +7,7 @@ SHOWN = [file for file in dict.fromkeys(JUDGED) if file in FIGURES]
 
 rule write_report:
     input:
-        tables=tables("table2", "table3_intervals", "picks", "two_sample"),
+        tables=tables("table2", "table3_intervals", "picks", "two_sample", "closed_loop"),
         paper=[REPORT / "paper/table2.csv", REPORT / "paper/table3.csv"],
         figures=SHOWN,
         captions=[caption_file(file) for file in SHOWN],

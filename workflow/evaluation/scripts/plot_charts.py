@@ -1,4 +1,4 @@
-"""Speed against accuracy of PHY, the atlases, and cost against worth to a tracker."""
+"""Speed against accuracy of the task and of PHY, and where methods fail."""
 
 from main_path import job
 
@@ -11,8 +11,8 @@ with job(snakemake):
     of_phy = read_table(snakemake.input.atlas_phy)
     of_statistics = read_table(snakemake.input.atlas_statistics)
     budgets = read_table(snakemake.input.budgets)
-    save_figure(snakemake.output.speed_accuracy_svg, charts.speed_accuracy(measured), PLANTED)
     save_figure(snakemake.output.atlas_svg, charts.atlas(of_phy, of_statistics), PLANTED)
     commit, date = budgets.loc[0, ["commit", "date"]]
-    source = f"measured with snowsim at commit {commit[:8]}, {date}"
-    save_figure(snakemake.output.cost_worth_svg, charts.cost_worth(budgets), source)
+    source = f"left: measured with snowsim at commit {commit[:8]}, {date}"
+    chart = charts.speed_accuracy(budgets, measured)
+    save_figure(snakemake.output.speed_accuracy_svg, chart, source)

@@ -5,7 +5,7 @@ from main_path import job
 
 from evaluation.lib.figures import flight
 from evaluation.lib.figures.style import Scale, save_figure
-from snowsim.io.files import read_dataset
+from snowsim.io.files import read_dataset, read_table
 
 with job(snakemake):
     frames = snakemake.input.frames
@@ -14,9 +14,8 @@ with job(snakemake):
     params = snakemake.params
     statistics = read_dataset(snakemake.input.statistics)
     save_figure(figures.waveforms_svg, flight.waveforms(statistics), params.source)
-    save_figure(figures.along_track_svg, flight.along_track(statistics), params.source)
     if frames:
-        line = flight.flight_line(map(read_dataset, frames))
+        line = flight.flight_line(map(read_dataset, frames), read_table(snakemake.input.coast))
         save_figure(figures.flight_line_svg, line, params.source)
         most = np.argmax([read_dataset(path)["twtt"].count() for path in picks])
         scale = Scale.of(statistics, params.snow_density_kg_m3)

@@ -1,4 +1,4 @@
-"""Figures of the cGAN's training, and of both renders of observed and of synthetic layers."""
+"""Figure of both renders of observed and of synthetic layers."""
 
 from itertools import islice
 
@@ -6,14 +6,12 @@ from main_path import job
 
 from evaluation.lib.figures import renders
 from evaluation.lib.figures.style import METHODS, Scale, save_figure
-from snowsim.io.files import read_dataset, read_table
+from snowsim.io.files import read_dataset
 from snowsim.io.scenes import SceneSet
 
 with job(snakemake):
     files = snakemake.input
     params = snakemake.params
-    losses = renders.cgan_losses(read_table(files.losses))
-    save_figure(snakemake.output.cgan_losses_svg, losses, params.source)
     test = {"observed": SceneSet(files.observed)}
     drawn = {}
     for method in METHODS:

@@ -16,17 +16,14 @@ with job(snakemake):
     with SceneSet(files.scenes) as scenes:
         by_layers = sorted(scenes, key=lambda scene: len(scene.layer_bins))
     scene = by_layers[len(by_layers) // 2]
-    outputs = {}
     picked = {}
     replicas = zip(TRAINING_SETS, files.networks, files.picks, strict=True)
     for name, network, rows in replicas:
-        outputs[name] = read_tracker(network, params.device).track(scene.image)
-        *_, fused = outputs[name]
+        *_, fused = read_tracker(network, params.device).track(scene.image)
         threshold = read_table(rows)["threshold"].iloc[0]
         picked[name] = pick_layers(fused, threshold=threshold)
     scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
     curves = tracker.precision_recall(read_table(files.precision_recall))
     save_figure(figures.precision_recall_svg, curves, params.source)
-    save_figure(figures.side_outputs_png, tracker.side_outputs(scene, outputs), params.source)
     picks = tracker.picks(scene, picked, read_table(files.picks_by_depth), scale)
     save_figure(figures.picks_svg, picks, params.source)

@@ -1,193 +1,148 @@
-"""Speed against accuracy, where methods fail, and core-seconds against worth to a tracker."""
+"""Speed against accuracy, of the task and of PHY's arithmetic, and where methods fail."""
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 
 from evaluation.lib.figures.style import (
     BLACK,
     BLUE,
-    COLOURS,
     GREEN,
     GUIDE,
     ORANGE,
     RED,
+    list_downwards,
     new_figure,
-    new_panel,
+    plt,
 )
 
-POWER = ("error_db", "largest error of mean power plus noise [dB]")
-# Column of errors of each panel, and their axis.
-PANELS = {
-    "mean power": POWER,
-    "speckle": ("distance", "distance of distribution functions"),
-    "whole scenes": POWER,
+# Names of training sets, their colours, and how their names are aligned to the last point.
+TRACKERS = {
+    "rd": ("RD: annotated scenes", BLACK, "left"),
+    "pd": ("PD: PHY's scenes", BLUE, "right"),
+    "gd": ("GD: the cGAN's scenes", RED, "left"),
+    "rd_pd": ("RD+PD", GREEN, "left"),
 }
-METHOD_COLOURS = {
-    "closed form": GREEN,
-    "convolution": BLACK,
-    "table": BLUE,
-    "looks": BLACK,
-    "gamma": GREEN,
-    "quantile": BLUE,
-    "PHY, as printed": BLACK,
-    "PHY, exact": GREEN,
-    "PHY": BLUE,
-    "cGAN": RED,
-    "one float32 normal a pixel": "0.5",
-    "exact": GREEN,
-    "naive closed form": ORANGE,
+WAYS = {
+    "convolution": ("numerical convolution", BLACK),
+    "closed form": ("closed form, exact", GREEN),
+    "table": ("table, by nodes a bin", BLUE),
 }
-LEAST_ERROR_DB = 1e-14
-MOST_ERROR_DB = 1e2  # of the atlas; beyond, drawn at the border
+BOUND_DB = 0.05  # of PHY's table
+OUTCOMES = {"within": "right", "wrong": "wrong", "refused": "refused"}
+OUTCOME_COLOURS = {"within": BLUE, "wrong": ORANGE, "refused": "0.75"}
 QUANTITIES = {
-    "peak_power": "relative error of peak power",
-    "decay_rate": "relative error of decay rate",
-    "width_bins": "error of 1/e width [bins]",
+    "peak_power": "peak power [%]",
+    "decay_rate": "decay rate [%]",
+    "width_bins": "1/e width [bins]",
 }
-MOST_BOUNDS = 300  # errors of estimators beyond so many bounds are drawn there
-# Training sets of each series of the chart of costs, and whether it tells those of trainings, by
-# gradients, or those of scenes.
-BUDGETS = {
-    "trainings on RD, by gradients": ("rd", "training_s", {"color": BLACK, "marker": "o"}),
-    "trainings on PD, by gradients": ("pd", "training_s", {"color": BLUE, "marker": "o"}),
-    "PHY's scenes": ("pd", "scenes_s", {"color": BLUE, "marker": "D"}),
-    "the cGAN's scenes": ("gd", "scenes_s", {"color": RED, "marker": "D"}),
-}
-# Where names of points stand, by turns: right below and above.
-SIDES = (
-    {"xytext": (3, -4), "ha": "left", "va": "top"},
-    {"xytext": (0, 5), "ha": "center", "va": "bottom"},
-)
 
 
-def speed_accuracy(table):
-    """Fastest run of every way against its error: parts of PHY, and whole scenes."""
-    figure, axes = new_figure(1, 3, width=11, height=3.6)
-    for ax, (panel, (column, xlabel)) in zip(axes[0], PANELS.items(), strict=True):
-        plot_ways(ax, table[table["panel"] == panel], column)
-        ax.set(xlabel=xlabel, title=panel)
-    axes[0, 0].set_ylabel("ns per pixel")
+def speed_accuracy(budgets, table):
+    """Core-seconds against ODS, by what a tracker saw; time against error of PHY's arithmetic."""
+    figure, axes = new_figure(1, 2, width=9, height=3.6)
+    of_task, of_arithmetic = axes[0]
+    plot_task(of_task, budgets)
+    plot_arithmetic(of_arithmetic, table[table["panel"] == "mean power"])
     return figure
 
 
-def plot_ways(ax, runs, column):
-    """Fastest runs against error; lines where no error is known, for these are other models."""
+def plot_task(ax, budgets):
+    """Fused ODS on validation scenes against the cost of scenes and training, by gradients."""
+    cost = budgets["scenes_s"] + budgets["training_s"]
+    keys = ["training_set", "n_gradients"]
+    means = budgets.assign(cost=cost).groupby(keys)[["cost", "ods"]].mean().reset_index()
+    for name, (label, colour, side) in TRACKERS.items():
+        rows = means[means["training_set"] == name]
+        ax.plot("cost", "ods", data=rows, color=colour, marker="o", markersize=4)
+        name_point(ax, label, rows.iloc[-1][["cost", "ods"]], colour, ha=side, fontsize=8)
+        for row in rows.itertuples():
+            name_point(ax, row.n_gradients, (row.cost, row.ods), colour, below=True, ha=side)
+    ax.margins(x=0.25, y=0.15)
+    ax.set(xscale="log", xlabel="core-seconds to make scenes and train a tracker")
+    ax.set(ylabel="ODS on validation scenes", title="the task; numbers: gradients")
+
+
+def plot_arithmetic(ax, runs):
+    """Fastest runs of every way to PHY's mean power against its largest error."""
     runs = runs.assign(ns=runs["seconds"] / runs["n_pixels"] * 1e9)
     # The fastest: other jobs only ever add.
-    points = runs.groupby(["method", "setting"], sort=False)[["ns", column]].min().reset_index()
-    inexact = points[column] > 0
-    least = points.loc[inexact, column].min()
-    exact_at = least / 50
-    points["x"] = points[column].where(points[column] != 0, exact_at)
-    for method, rows in points.groupby("method", sort=False):
-        style = {"color": METHOD_COLOURS[method], "label": method}
-        if rows["x"].isna().all():
-            ax.axhline(rows["ns"].min(), linestyle=":", linewidth=1, **style)
-            continue
-        ax.plot("x", "ns", "o", data=rows, markersize=4, **style)
-        for number, row in enumerate(rows.itertuples(), start=1):
-            # Numbers alone: names of tables half as fine lie too close to stand side by side.
-            name = row.setting.removesuffix(" a bin")
-            name_point(ax, name, (row.x, row.ns), number)
-    ax.axvspan(exact_at / 10, exact_at * 10, color="0.93", zorder=0)
-    ax.annotate("exact", (exact_at, 0.01), xycoords=("data", "axes fraction"), fontsize=7)
-    ax.margins(y=0.12)
-    ax.set(xscale="log", yscale="log", xlim=(exact_at / 10, 10 * points[column].max()))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
+    points = runs.groupby(["method", "setting"], sort=False)[["ns", "error_db"]].min().reset_index()
+    exact_at = points.loc[points["error_db"] > 0, "error_db"].min() / 50
+    points["error_db"] = points["error_db"].where(points["error_db"] != 0, exact_at)
+    for method, (label, colour) in WAYS.items():
+        rows = points[points["method"] == method].sort_values("error_db")
+        ax.plot("error_db", "ns", data=rows, color=colour, marker="o", markersize=4)
+        name_point(ax, label, rows.iloc[0][["error_db", "ns"]], colour, ha="left", fontsize=8)
+        if method == "table":
+            for row in rows.itertuples():
+                number = row.setting.removesuffix(" a bin")
+                name_point(ax, number, (row.error_db, row.ns), colour, below=True)
+    ax.axvline(BOUND_DB, **GUIDE)
+    name_point(ax, " largest allowed", (BOUND_DB, 60), "0.5", ha="left")
+    ax.margins(x=0.15, y=0.15)
+    ax.set(xscale="log", yscale="log", xlabel="largest error [dB]; leftmost: exact")
+    ax.set(ylabel="ns a pixel", title="PHY's arithmetic: mean power of 15 layers")
 
 
-def name_point(ax, name, place, number):
-    """A name beside a point, by number on one side or the other: points may coincide."""
-    side = SIDES[number % 2]
-    ax.annotate(name, place, textcoords="offset points", fontsize=6, **side)
+def name_point(ax, name, place, colour, *, below=False, ha="center", fontsize=6):
+    """A name above a point, or below it."""
+    style = {"xytext": (0, -4), "va": "top"} if below else {"xytext": (0, 5), "va": "bottom"}
+    style |= {"ha": ha, "color": colour, "fontsize": fontsize}
+    ax.annotate(name, tuple(place), textcoords="offset points", **style)
 
 
 def atlas(atlas_phy, atlas_statistics):
-    """Where PHY's methods fail, in the first row, and the estimators, below."""
-    figure, axes = new_figure(1 + len(QUANTITIES), 4, width=11, height=10)
-    of_phy = atlas_phy.groupby("sweep", sort=False)
-    for ax, (sweep, rows) in zip(axes[0], of_phy, strict=True):
-        plot_methods(ax, rows)
+    """Where methods fail: PHY's along four sweeps, and the estimators in a table."""
+    figure = plt.figure(figsize=(10, 5.4))
+    of_phy, of_estimators = figure.subfigures(2, 1, height_ratios=(1, 1.4))
+    sweeps = atlas_phy.groupby("sweep", sort=False)
+    for ax, (sweep, rows) in zip(of_phy.subplots(1, len(sweeps)), sweeps, strict=True):
+        plot_outcomes(ax, rows)
         ax.set_xlabel(sweep)
-    axes[0, 0].set_ylabel("largest error [dB]")
-    of_estimators = atlas_statistics.groupby("sweep", sort=False)
-    for column, (sweep, rows) in zip(axes[1:].T, of_estimators, strict=True):
-        for ax, quantity in zip(column, QUANTITIES, strict=True):
-            plot_estimators(ax, rows, quantity)
-        column[-1].set_xlabel(sweep)
-    for ax, label in zip(axes[1:, 0], QUANTITIES.values(), strict=True):
-        ax.set_ylabel(label)
-    axes[0, 2].legend(loc="center")
-    axes[0, 3].legend(loc="lower left")
-    axes[1, 0].legend()
+    marks = [plt.Line2D([], [], color=colour, lw=5) for colour in OUTCOME_COLOURS.values()]
+    of_phy.legend(marks, OUTCOMES.values(), loc="outside upper right", ncols=3, fontsize=8)
+    of_phy.suptitle("PHY: values at which each way to mean power or speckle is right", fontsize=9)
+    tabulate_estimators(of_estimators.subplots(), atlas_statistics)
+    of_estimators.suptitle(
+        "Estimators: mean error over layers on planted flights; white: within the bound", fontsize=9
+    )
     return figure
 
 
-def plot_methods(ax, rows):
-    """Largest error of each method along a sweep.
-
-    Crosses are wrong, bars in the grey band refused; dotted, the limit of what is held to one.
-    """
-    for number, (method, part) in enumerate(rows.groupby("method", sort=False)):
-        part = part.sort_values("value")
-        style = {"color": METHOD_COLOURS[method]}
-        error_db = part["error_db"].clip(LEAST_ERROR_DB, MOST_ERROR_DB)
-        ax.plot(part["value"], error_db, label=method, **style)
-        wrong = part["outcome"] == "wrong"
-        ax.plot(part["value"][wrong], error_db[wrong], "x", markersize=4, **style)
-        refused = part.loc[part["outcome"] == "refused", "value"]
-        height = 3 * MOST_ERROR_DB * 10**number
-        ax.plot(refused, np.full(len(refused), height), "|", markersize=5, **style)
-    limit = rows.query("method in ('table', 'gamma')").sort_values("value")
-    ax.plot(limit["value"], limit["limit_db"], **GUIDE)
-    ax.axhspan(1.5 * MOST_ERROR_DB, 1e5, color="0.93", zorder=0)
+def plot_outcomes(ax, rows):
+    """A strip for each method, coloured by what happens at each value of a sweep."""
+    methods = list(rows["method"].unique())
+    for (method, outcome), part in rows.groupby(["method", "outcome"]):
+        at = np.full(len(part), methods.index(method))
+        ax.plot(part["value"], at, "s", color=OUTCOME_COLOURS[outcome], markersize=4)
     if (rows["value"] > 0).all():
         ax.set_xscale("log")
-    ax.set(yscale="log", ylim=(LEAST_ERROR_DB / 3, 1e5))
-    ax.set_yticks(10.0 ** np.arange(-14, 3, 4))
+    list_downwards(ax, methods)
 
 
-def plot_estimators(ax, rows, quantity):
-    """Mean error over layers of one quantity along a sweep.
-
-    The bound is in grey; crosses at the top are refused.
-    """
-    rows = rows.query("quantity in (@quantity, 'all')")
-    bound = rows["bound"].max()
-    limit = MOST_BOUNDS * bound
-    ax.axhspan(-bound, bound, color="0.9", zorder=0)
-    for estimator, part in rows.groupby("estimator", sort=False):
-        colour = COLOURS[estimator]
-        held = part.query("outcome != 'refused'")
-        style = {"color": colour, "marker": "o", "label": estimator}
-        ax.plot("value", "error", data=held, **style)
-        refused = part.query("outcome == 'refused'")["value"]
-        ax.plot(refused, np.full(len(refused), limit), "x", color=colour, markersize=4)
-    ax.set_yscale("symlog", linthresh=bound)
-    ax.set_ylim(-1.5 * limit, 1.5 * limit)
-    ticks = bound * np.array([-100, -10, -1, 0, 1, 10, 100])
-    ax.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    values = sorted(rows["value"].unique())
-    if values[0] > 0:
-        ax.set_xscale("log")
-    ax.set_xticks(values, [f"{value:g}" for value in values], fontsize=7)
-    ax.set_xticks([], minor=True)
-
-
-def cost_worth(budgets):
-    """Fused ODS on validation scenes against core-seconds: of trainings, and of what they see."""
-    figure, ax = new_panel(width=6.5, height=4)
-    keys = ["training_set", "n_gradients"]
-    means = budgets.groupby(keys)[["training_s", "scenes_s", "ods"]].mean().reset_index()
-    # Trackers on the scenes of either renderer alone are compared at the same number of gradients.
-    (n_gradients,) = means.query("training_set == 'gd'")["n_gradients"]
-    for number, (series, (name, cost, style)) in enumerate(BUDGETS.items()):
-        rows = means[means["training_set"] == name]
-        if cost == "scenes_s":
-            rows = rows[rows["n_gradients"] == n_gradients]
-        ax.plot(cost, "ods", data=rows, markersize=5, label=series, **style)
-        for row in rows.itertuples():
-            name_point(ax, row.n_gradients, (getattr(row, cost), row.ods), number)
-    ax.set(xscale="log", xlabel="core-seconds of a training, or to make scenes")
-    ax.set_ylabel("fused ODS on validation scenes")
-    ax.legend(loc="lower right")
-    return figure
+def tabulate_estimators(ax, rows):
+    """Errors of each quantity by each estimator: a column a planted flight, coloured if beyond."""
+    names = [
+        (estimator, quantity) for estimator in ("deblended", "paper") for quantity in QUANTITIES
+    ]
+    places = rows[["sweep", "value"]].drop_duplicates().to_records(index=False).tolist()
+    colours = np.zeros((len(names), len(places)))
+    for column, (sweep, value) in enumerate(places):
+        of_place = rows[(rows["sweep"] == sweep) & (rows["value"] == value)]
+        for row, (estimator, quantity) in enumerate(names):
+            found = of_place[of_place["estimator"] == estimator].set_index("quantity")
+            found = found.reindex([quantity]).iloc[0]  # NaN: refused
+            text = "-"  # refused
+            colours[row, column] = 2
+            if np.isfinite(found["error"]):
+                in_percent = quantity != "width_bins"
+                text = f"{100 * found['error']:+z.0f}" if in_percent else f"{found['error']:+z.1f}"
+                colours[row, column] = abs(found["error"]) > found["bound"]
+            ax.text(column, row, text, ha="center", va="center", fontsize=6)
+    ax.imshow(colours, cmap=ListedColormap(["1.0", "#F6D6A8", "0.85"]), vmin=0, vmax=2)
+    list_downwards(ax, [f"{QUANTITIES[quantity]}, {name}" for name, quantity in names])
+    ax.set_xticks(range(len(places)), [f"{value:g}" for _, value in places], fontsize=7)
+    for sweep in rows["sweep"].unique():
+        at = [number for number, place in enumerate(places) if place[0] == sweep]
+        ax.text(np.mean(at), len(names) + 0.6, sweep, ha="center", fontsize=8)
+        ax.axvline(at[0] - 0.5, color=BLACK, linewidth=0.8)

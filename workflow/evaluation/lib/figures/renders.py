@@ -1,4 +1,4 @@
-"""The cGAN's training, and renders of observed and of synthetic layers."""
+"""Renders of observed and of synthetic layers."""
 
 from evaluation.lib.figures.style import (
     BLACK,
@@ -6,21 +6,10 @@ from evaluation.lib.figures.style import (
     evenly_spaced,
     name_of,
     new_figure,
-    new_panel,
 )
 from snowsim.echogram import MINIMUM_ROWS
 
-RUNNING_STEPS = 50  # of means of losses
 N_SCENES_SHOWN = 3  # observed ones, and as many synthetic ones
-
-
-def cgan_losses(losses):
-    """Running means of losses."""
-    figure, ax = new_panel()
-    smooth = losses.set_index("step").rolling(RUNNING_STEPS, min_periods=1).mean()
-    smooth.plot(ax=ax, logy=True, style=["-", "--", "-.", ":"])
-    ax.set(ylabel="loss", title=f"running means of {RUNNING_STEPS} steps")
-    return figure
 
 
 def sample(test, drawn, scale):

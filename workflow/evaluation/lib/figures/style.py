@@ -58,7 +58,6 @@ NAMES = {
     "ods": "ODS",
     "ois": "OIS",
     "ap": "AP",
-    "doppler": "Doppler spectrum",
 }
 # Defaults of matplotlib for all figures.
 STYLE = {
