@@ -233,9 +233,14 @@ def to_uint8(power):
     if not maximum_db > noise_floor_db:
         msg = f"image without contrast: every pixel is {maximum_db:g} dB"
         raise ValueError(msg)
+    return to_grey(power_db, noise_floor_db, maximum_db), noise_floor_db, maximum_db
+
+
+def to_grey(power_db, noise_floor_db, maximum_db):
+    """8-bit image of decibels (range_bin, range_line) on the scale of `to_uint8`."""
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     scaled = (power_db - bottom_db) * (255 / (maximum_db - bottom_db))
-    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8), noise_floor_db, maximum_db
+    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 
 def from_uint8(image, noise_floor_db, maximum_db):
@@ -248,6 +253,26 @@ def bin_size_s(echogram):
     """Range bin of an echogram dataset in two-way travel time [s]."""
     twtt = echogram["twtt"].values
     return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
+
+
+def power_of(echogram):
+    """`Data` of an echogram dataset, (range_bin, range_line)."""
+    return echogram["Data"].transpose("twtt", "slow_time").values
+
+
+def levelled(power, first, n_rows):
+    """Power (range_bin, range_line) of so many bins of each line, from `first` (range_line,) down.
+
+    NaN where nothing was recorded.
+    """
+    n_bins = len(power)
+    dtype = np.result_type(power.dtype, np.float32)
+    rows = np.full((n_rows, first.size), np.nan, dtype)
+    starts = np.clip(-first, 0, n_rows)
+    stops = np.clip(n_bins - first, 0, n_rows)
+    for line, (top, start, stop) in enumerate(zip(first, starts, stops, strict=True)):
+        rows[start:stop, line] = power[start + top : stop + top, line]
+    return rows
 
 
 def check_echogram(echogram, where="echogram"):
@@ -341,17 +366,17 @@ def looks_like_decibels(echogram):
 
     Told on 256 lines in the middle, level with the echogram's own surface.
     """
-    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power_of(echogram)
     n_bins, n_lines = power.shape
     first = max(0, n_lines // 2 - BLOCK_LINES // 2)
-    lines = np.arange(first, min(first + BLOCK_LINES, n_lines))
+    lines = slice(first, first + BLOCK_LINES)
     surface = np.nan_to_num(own_surface_bins(echogram)[lines])
-    rows = np.arange(n_bins)[:, None] + np.rint(surface - np.median(surface)).astype(int)
-    level = power[np.clip(rows, 0, n_bins - 1), lines].astype(float)
-    level[(rows < 0) | (rows >= n_bins) | ~(level > 0)] = np.nan
+    shift = np.rint(surface - np.median(surface)).astype(int)
+    level = levelled(power[:, lines].astype(float), shift, n_bins)
+    level[~(level > 0)] = np.nan
     measured = np.isfinite(np.diff(level, axis=1)).mean(axis=1) > 0.5
     level = level[measured]
-    if np.count_nonzero(measured) < LEAST_LINES or lines.size < LEAST_LINES:
+    if min(level.shape) < LEAST_LINES:
         return False
     speckle = np.nanmedian(np.abs(np.diff(level, axis=1)), axis=1)
     if np.count_nonzero(speckle) < LEAST_LINES:

@@ -14,6 +14,8 @@ from snowsim.echogram import (
     bin_size_s,
     check_choice,
     layer_bins_of,
+    levelled,
+    power_of,
     scene_height,
     to_uint8,
 )
@@ -118,14 +120,9 @@ def flatten(echogram, layers, *, method="surface"):
 def shifted(echogram, shift):
     """Echogram with lines moved down by whole bins, (range_line,) of int; NaN where none was."""
     bin_s = bin_size_s(echogram)
-    power = echogram["Data"].transpose("twtt", "slow_time").values
-    n_bins, n_lines = power.shape
     lowest = int(min(shift.min(), 0))
-    highest = int(max(shift.max(), 0))
-    n_rows = n_bins + highest - lowest
-    moved = np.full((n_rows, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32))
-    for line, top in enumerate(shift - lowest):
-        moved[top : top + n_bins, line] = power[:, line]
+    n_rows = echogram.sizes["twtt"] + int(max(shift.max(), 0)) - lowest
+    moved = levelled(power_of(echogram), lowest - shift, n_rows)
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
     return _delayed(_of_bins(echogram, moved, twtt), ("Surface", "Bottom"), shift * bin_s)
 
@@ -157,7 +154,7 @@ def resample_range(echogram, bin_s):
     millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
-    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power_of(echogram)
     longest_s = present_s * (power.shape[0] - 1)
     if not 0 < bin_s <= longest_s * (1 + 1e-6):
         msg = f"bin_s must be positive, and two bins fit into the {longest_s:.3g} s, got {bin_s}"
@@ -267,7 +264,7 @@ def cut_blocks(echogram, layers, *, name):
     the list of scenes, and a dict of the reason for each skipped block by its name.
     """
     layer_bins = layer_bins_of(layers, echogram)
-    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power_of(echogram)
     flagged = np.zeros(power.shape[1], dtype=bool)
     if "flagged" in echogram:
         flagged = echogram["flagged"].values

@@ -16,6 +16,7 @@ from snowsim.echogram import (
     check_layers,
     layer_bins_of,
     own_surface_bins,
+    power_of,
 )
 from snowsim.limits import check_content, check_count
 
@@ -73,7 +74,7 @@ def summarise(echogram, layers, where="frame"):
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
-    power = np.ascontiguousarray(echogram["Data"].transpose("slow_time", "twtt").values)
+    power = np.ascontiguousarray(power_of(echogram).T)
     n_lines, n_bins = power.shape
     empty = (power == 0).all(axis=1)
     power = np.where(empty[:, None], np.nan, power)
@@ -264,7 +265,7 @@ def looks_like_amplitude(echogram, layers):
     Skewness over coefficient of variation is 2 for power of any number of looks, more for means of
     it with unequal weights and for mixtures; 1.2 for the amplitude of one look, 1 for that of many.
     """
-    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power_of(echogram)
     # Layer 0 may be another layer.
     surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], own_surface_bins(echogram))
     if not np.isfinite(surface_bins).any():

@@ -4,7 +4,7 @@ Range bins of the tracker's size, lines averaged to its spacing, the surface in 
 8 bits by the rule of the benchmark's scenes.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import pandas as pd
@@ -17,8 +17,10 @@ from snowsim.echogram import (
     along_track_m,
     bin_size_s,
     check_echogram,
+    levelled,
     looks_like_decibels,
     to_db,
+    to_grey,
 )
 from snowsim.frames import resample_range
 from snowsim.limits import check_count, check_values
@@ -128,10 +130,8 @@ class Canonical:
         own = slice(first * grid.n_averaged, stop * grid.n_averaged)
         power = _resampled(self.echogram, own, grid.bin_s)
         power_db = _level_db(power, grid.top[own], grid.n_rows, grid.n_averaged)
-        bottom_db = self.noise_floor_db - DB_BELOW_NOISE_FLOOR
         power_db = np.where(np.isfinite(power_db), power_db, self.noise_floor_db)
-        scaled = (power_db - bottom_db) * (255 / (self.maximum_db - bottom_db))
-        return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
+        return to_grey(power_db, self.noise_floor_db, self.maximum_db)
 
 
 def canonical(echogram, card, where="echogram"):
@@ -144,26 +144,25 @@ def canonical(echogram, card, where="echogram"):
     _check(echogram, card, where)
     echogram = echogram.transpose("twtt", "slow_time", ...)
     first_s = float(echogram["twtt"].values[0])
-    given = (_surface_s(echogram) - first_s) / card.bin_s
-    blocks, n_averaged, notes, outside = _surveyed(echogram, given, card)
-    found = np.concatenate([block.surface for block in blocks])
+    # Zero, where nobody tracked it, is NaN.
+    given_s = echogram["Surface"].where(echogram["Surface"] > 0).values.astype(float)
+    given = (given_s - first_s) / card.bin_s
+    survey, n_averaged, notes, outside = _surveyed(echogram, given, card)
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
-    n_known = np.isfinite(found).sum()
+    n_known = np.isfinite(survey.surface).sum()
     check_count(f"{where}: range lines with 30 range bins or more of measured power", n_known)
-    share = np.concatenate([block.rise_share for block in blocks])
-    surface, reason = chosen_surface(given, found, share, n_bins)
+    surface, reason = chosen_surface(given, survey.surface, survey.rise_share, n_bins)
     if reason is not None:
         notes.append(reason)
-    noise_floor_db, maximum_db = _scale(blocks)
+    noise_floor_db = float(np.nanmedian(survey.noise_floor_db))
+    maximum_db = float(np.nanmedian(survey.maximum_db))
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
-    surface_db = np.concatenate([block.largest_db for block in blocks])
-    scale = (noise_floor_db, maximum_db)
-    seen = Canonical(echogram, grid, *scale, surface_db, notes, outside)
     if echogram.attrs.get("source_format") != "image" and looks_like_decibels(echogram):
         notes.append(DECIBELS)
-    return seen
+    levels_db = (noise_floor_db, maximum_db, survey.largest_db)
+    return Canonical(echogram, grid, *levels_db, notes, outside)
 
 
 def _check(echogram, card, where):
@@ -179,90 +178,75 @@ def _check(echogram, card, where):
     check_values(f"{where}: twtt: range bins", bin_size_s(echogram), shortest_s, longest_s)
 
 
-def _surface_s(echogram):
-    """Travel time of the file's surface, (range_line,) [s]; zero where nobody tracked it is NaN."""
-    return echogram["Surface"].where(echogram["Surface"] > 0).values.astype(float)
-
-
 @dataclass(frozen=True, eq=False)
-class _Block:
-    """What a block of range lines tells of surface [range bins] and scale."""
+class _Survey:
+    """What range lines tell of surface [range bins], (range_line,), and of scale, (block,)."""
 
     surface: np.ndarray
     rise_share: np.ndarray
     largest_db: np.ndarray
-    noise_floor_db: float = np.nan
-    maximum_db: float = np.nan
-    n_looks: float = np.nan
-
-
-def _scale(blocks):
-    """Medians over blocks of the powers that an image's greys begin and end with [dB]."""
-    floors = [block.noise_floor_db for block in blocks]
-    return float(np.nanmedian(floors)), float(np.nanmedian([block.maximum_db for block in blocks]))
+    noise_floor_db: np.ndarray | tuple = (np.nan,)
+    maximum_db: np.ndarray | tuple = (np.nan,)
+    n_looks: np.ndarray | tuple = (np.nan,)
 
 
 def _surveyed(echogram, given, card):
-    """List of `_Block`, how many own lines are averaged, notes, and whether the card knows such."""
+    """`_Survey`, how many own lines are averaged, notes, and whether the card knows such."""
     spacing_m = _line_spacing_m(echogram)
     n_averaged = max(1, round(card.line_spacing_m / spacing_m)) if spacing_m else 1
-    blocks = _blocks(echogram, given, card.bin_s, n_averaged)
-    looks = pd.Series([block.n_looks for block in blocks], dtype=float).median()
+    survey = _survey(echogram, given, card.bin_s, n_averaged)
+    looks = pd.Series(survey.n_looks).median()
     needed = _lines_for_looks(looks, n_averaged, spacing_m, given.size, card)
     notes = [] if spacing_m else ["no positions: range lines are used as they are"]
     if looks < SINGLE_LOOK:
         notes.append("single look: the tracker was trained on averages of several")
     if needed != n_averaged:
         notes.append(f"{needed} range lines are averaged for as many looks as the tracker knows")
-        blocks = _blocks(echogram, given, card.bin_s, needed)
+        survey = _survey(echogram, given, card.bin_s, needed)
     known = {"bin_s": bin_size_s(echogram), "n_looks": looks * needed}
     known |= {"line_spacing_m": spacing_m * needed} if spacing_m else {}
     outside = card.outside(known)
-    return blocks, needed, notes + outside, bool(outside)
+    return survey, needed, notes + outside, bool(outside)
 
 
-def _blocks(echogram, given, bin_s, n_averaged):
-    """`_Block` of every stretch of range lines."""
-    blocks = []
-    for first in range(0, given.size, BLOCK_LINES * n_averaged):
-        lines = slice(first, first + BLOCK_LINES * n_averaged)
-        blocks.append(_survey(echogram, lines, given[lines], bin_s, n_averaged))
-    return blocks
+def _survey(echogram, given, bin_s, n_averaged):
+    """`_Survey` of an echogram, block by block."""
+    n_lines = BLOCK_LINES * n_averaged
+    stretches = [slice(first, first + n_lines) for first in range(0, given.size, n_lines)]
+    blocks = [_of_block(echogram, lines, given, bin_s, n_averaged) for lines in stretches]
+    names = [each.name for each in fields(_Survey)]
+    return _Survey(*(np.concatenate([getattr(block, name) for block in blocks]) for name in names))
 
 
-def _survey(echogram, lines, given, bin_s, n_averaged):
+def _of_block(echogram, lines, given, bin_s, n_averaged):
+    """`_Survey` of some range lines."""
     power = _resampled(echogram, lines, bin_s)
     power_db = _in_db(power)
-    surface, share = find_surface(power_db, given)
+    surface, share = find_surface(power_db, given[lines])
     largest_db = np.where(np.isfinite(power_db), power_db, -np.inf).max(axis=0)
     if not np.isfinite(surface).any():
-        return _Block(surface, share, largest_db)
+        return _Survey(surface, share, largest_db)
     top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
     present = np.isfinite(level_db)
     n_present = present.sum(axis=1)
     filled = n_present > level_db.shape[1] / 2
-    sums = np.where(present, level_db, 0).sum(axis=1, dtype=float)
-    maxima = np.where(present, level_db, -np.inf).max(axis=0)
-    unsaturated = maxima <= np.median(maxima) + SATURATED_DB
     if not filled.any():
-        return _Block(surface, share, largest_db)
+        return _Survey(surface, share, largest_db)
+    sums = np.where(present, level_db, 0).sum(axis=1, dtype=float)
     noise_floor_db = (sums[filled] / n_present[filled]).min()
-    maximum_db = maxima[unsaturated].max()
+    maxima = np.where(present, level_db, -np.inf).max(axis=0)
+    maximum_db = maxima[maxima <= np.median(maxima) + SATURATED_DB].max()
     own = echogram["Data"].values[:, lines]
     n_looks = _looks_in_air(own, surface * (bin_s / bin_size_s(echogram)))
-    return _Block(surface, share, largest_db, noise_floor_db, maximum_db, n_looks)
+    return _Survey(surface, share, largest_db, [noise_floor_db], [maximum_db], [n_looks])
 
 
 def _tops(surface):
     """Whole rows by which lines are shifted: a smooth surface comes to row 50."""
-    half = SMOOTH_LINES // 2
-    smooth = np.convolve(np.pad(without_outliers(surface), half, mode="edge"), _window(), "valid")
+    padded = np.pad(without_outliers(surface), SMOOTH_LINES // 2, mode="edge")
+    smooth = np.convolve(padded, np.full(SMOOTH_LINES, 1 / SMOOTH_LINES), "valid")
     return np.floor(smooth + 0.5).astype(int) - SURFACE_ROW
-
-
-def _window():
-    return np.full(SMOOTH_LINES, 1 / SMOOTH_LINES)
 
 
 def _resampled(echogram, lines, bin_s):
@@ -278,12 +262,7 @@ def _in_db(power):
 
 def _level_db(power, top, n_rows, n_averaged):
     """Decibels (row, range_line) of lines shifted by `top` and averaged, NaN where not recorded."""
-    n_bins, n_own = power.shape
-    level = np.full((n_rows, n_own), np.nan, dtype=np.float32)
-    for line, shift in enumerate(top):
-        first = max(0, -shift)
-        stop = min(n_rows, n_bins - shift)
-        level[first:stop, line] = power[first + shift : stop + shift, line]
+    level = levelled(power.astype(np.float32, copy=False), top, n_rows)
     if n_averaged > 1:
         level = _mean_of_lines(level, n_averaged)
     return _in_db(level)
