@@ -174,7 +174,7 @@ def own_flight(tiny_flight, tmp_path):
 
 @pytest.mark.slow
 def test_own_files_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path, own_flight):
-    run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight)
+    run_snakemake(tmp_path / "run", "--", "flight", "plot_flight", "labels", configs=own_flight)
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"

@@ -11,8 +11,6 @@ from snakemake.exceptions import WorkflowError
 
 # Folder of this workflow, also where another workflow uses it as a module.
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
-# Rules that other rules inherit from name their scripts by this folder.
-SCRIPTS = ROOT / "workflow/scripts"
 
 # Rules import the same library and package as the scripts of their jobs.
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]

@@ -31,7 +31,7 @@ rule train_tracker:
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
-        str(SCRIPTS / "train_tracker.py")
+        str(ROOT / "workflow/scripts/train_tracker.py")
 
 
 rule score_tracker:
@@ -57,7 +57,7 @@ rule score_tracker:
     message:
         "edge scores of {wildcards.training_set}, every replica"
     script:
-        str(SCRIPTS / "score_tracker.py")
+        str(ROOT / "workflow/scripts/score_tracker.py")
 
 
 RUNS = [(name, replica) for name in TRAINING_SETS for replica in SEEDS]

@@ -4,8 +4,8 @@
 
 PRINTED_TABLES = [f"results/as_printed/tables/table{n}.csv" for n in (2, 3)]
 PRINTED_IS_MADE = all(map(os.path.isfile, PRINTED_TABLES))
-PRINTED = copy.deepcopy(GIVEN)
-update_config(PRINTED, read_yaml("config/as_printed.yaml"))
+PRINTED = deepcopy(GIVEN)
+update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"
 PRINTED["checkpoints"]["events"] = "logs/as_printed/tensorboard"
 

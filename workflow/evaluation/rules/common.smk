@@ -1,7 +1,5 @@
 # Helpers that all rules of the evaluation share.
 
-import copy
-
 import yaml
 from snakemake.logging import logger
 from snakemake.utils import update_config
@@ -12,16 +10,6 @@ if SOURCE == "png_pairs":
     )
 elif SOURCE != "reference":
     logger.info("left out: Doppler spectra: files of detected power hold no phase")
-
-
-def read_yaml(path):
-    """Content of a YAML file of this workflow."""
-    return yaml.load((ROOT / path).read_text(), Loader=yaml.CSafeLoader)
-
-
-def tables(*names):
-    """Paths of tables by their names."""
-    return [f"results/tables/{name}.csv" for name in names]
 
 
 # Stage of every figure, by its path.

@@ -17,9 +17,7 @@ rule compare_scenes:
     resources:
         mem_mb=2000,
     params:
-        n_scenes=config["drawn_scenes"]["n_scenes"],
-        n_splits=config["drawn_scenes"]["n_splits"],
-        n_steps=config["drawn_scenes"]["n_steps"],
+        **config["drawn_scenes"],
         seed=config["seed"],
     message:
         "drawn scenes beside observed ones: can they be distinguished"

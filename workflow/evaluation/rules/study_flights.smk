@@ -4,9 +4,6 @@
 # Every flight is a whole run of this workflow in its own folder, with another seed, climate and radar. After a change of
 # code, remove the flights' folders.
 
-import sys
-
-import yaml
 from evaluation.lib import flights
 
 FLOWN = config["studies"]["flights"]
