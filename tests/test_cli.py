@@ -15,11 +15,15 @@ from toy_scenes import toy_scenes
 import snowsim
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
+from snowsim.io import (
+    PairSet,
+    export_netcdf,
+    read_tracker,
+    write_dataset,
+    write_image,
+    write_scenes,
+)
 from snowsim.io.containers import SUPPLEMENT_FLAGS
-from snowsim.io.files import write_dataset
-from snowsim.io.models import read_tracker
-from snowsim.io.pairs import PairSet, export_netcdf, write_image
-from snowsim.io.scenes import write_scenes
 
 RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
 TRUTH = np.zeros((50, 20), dtype=bool)

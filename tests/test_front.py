@@ -9,14 +9,13 @@ import torch
 import xarray as xr
 from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 
 import snowsim
 from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
-from snowsim.io import read_echogram, read_layers
-from snowsim.io.files import read_dataset
-from snowsim.io.pairs import PairSet
+from snowsim.io import PairSet, read_dataset, read_echogram, read_layers
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 
@@ -149,9 +148,8 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(call, message):
-    with pytest.raises(ValueError, match=message) as refused:
+    with refusal(message):
         call()
-    assert "\n" not in str(refused.value)
 
 
 def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
@@ -252,7 +250,7 @@ def test_what_people_print_is_one_readable_line(drawn):
 
 
 def test_scenes_as_printed_need_statistics_of_the_paper_s_estimator():
-    with pytest.raises(ValueError, match="needs thickness_psd.* name a file of those"):
+    with refusal("needs thickness_psd.* name a file of those"):
         snowsim.scenes(1, rng=1, recipe="paper")
     flight = read_dataset(REFERENCE)
     psd = (("zone", "slab", "wavenumber"), np.ones((4, flight.sizes["slab"], 129)))

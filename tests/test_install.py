@@ -15,8 +15,7 @@ from processes import run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
-from snowsim.io import read_layers
-from snowsim.io.files import write_dataset
+from snowsim.io import read_layers, write_dataset
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

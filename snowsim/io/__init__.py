@@ -4,7 +4,33 @@ Readers are imported where they are called: every job imports this package, and 
 xarray take a second.
 """
 
+import lazy_loader
+
 from snowsim.io.files import library_errors, listed, refusal
+
+# Names beside those below, by the module they are in, loaded at first use.
+MODULES = {
+    "files": ["read_dataset", "read_table", "write_dataset", "write_table", "written_whole"],
+    "frames": ["check_frames", "each_frame", "read_frame", "read_frames"],
+    "layers": ["write_layer_files", "write_layers"],
+    "models": ["fingerprint", "read_model", "read_tracker", "write_model"],
+    "pairs": [
+        "PairSet",
+        "export_netcdf",
+        "export_pairs",
+        "layer_numbers",
+        "layers_of_labels",
+        "read_image",
+        "read_mask",
+        "read_pair",
+        "write_image",
+    ],
+    "pictures": ["write_picture"],
+    "profiles": ["Profile", "read_profile"],
+    "scenes": ["SceneSet", "write_scenes"],
+}
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=MODULES)
+__all__ += ["echogram", "open_segment", "read_echogram", "read_layers"]
 
 
 def read_echogram(path, *, compensated=False, source=None):

@@ -4,6 +4,7 @@ from itertools import product
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from refusals import refusal
 from toy_scenes import toy_scene, with_echoes
 from trainings import trained
 
@@ -38,7 +39,7 @@ def test_the_error_falls_and_layers_of_an_unseen_mask_come_out_brighter_than_the
 
 
 def test_training_without_scenes_is_refused():
-    with pytest.raises(ValueError, match="scenes to train on must"):
+    with refusal("scenes to train on must"):
         next(train_steps(Training(TINY, seed=1), []))
 
 

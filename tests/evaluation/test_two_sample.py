@@ -3,8 +3,8 @@
 from functools import partial
 
 import numpy as np
-import pytest
 from numpy.testing import assert_array_equal
+from refusals import refusal
 
 from evaluation.lib.patch_network import fit_network
 from evaluation.lib.two_sample import PATCH, accuracy, decisions, two_sample_table
@@ -71,7 +71,7 @@ def test_scenes_smaller_than_a_patch_are_refused(rng):
     scenes = [speckled(rng) for _ in range(2)]
     low = [Scene("low", 80, scene.layer_bins, scene.image[:80]) for scene in scenes]
     message = "expected scenes of 82 x 64 pixels or more, the smallest has 80 x 64"
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         two_sample_table({"observed": scenes, "phy": low}, n_splits=2, n_steps=1, stream=None)
 
 

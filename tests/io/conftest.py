@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scene
 
-from snowsim.io.frames import read_frames
+from snowsim.io import read_frames
 
 
 @pytest.fixture

@@ -23,11 +23,19 @@ import pytest
 from formats import refused
 
 from snowsim.echogram import Scene
-from snowsim.io import read_echogram, read_layers
+from snowsim.io import (
+    SceneSet,
+    layer_numbers,
+    read_echogram,
+    read_image,
+    read_layers,
+    read_pair,
+    write_dataset,
+    write_image,
+    write_scenes,
+)
 from snowsim.io.containers import read_matlab
-from snowsim.io.files import MAXIMUM_BYTES, write_dataset
-from snowsim.io.pairs import layer_numbers, read_image, read_pair, write_image
-from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.io.files import MAXIMUM_BYTES
 
 MOST_FLIPS = 8
 # A file is called after its kind, which begins with what it holds.

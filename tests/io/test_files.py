@@ -13,9 +13,18 @@ from pandas.testing import assert_frame_equal
 from safetensors.numpy import save_file
 
 from snowsim import __version__
-from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
-from snowsim.io.models import fingerprint, read_model, write_model
-from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.io import (
+    SceneSet,
+    fingerprint,
+    read_dataset,
+    read_model,
+    read_table,
+    write_dataset,
+    write_model,
+    write_scenes,
+    write_table,
+    written_whole,
+)
 
 
 def test_a_writer_that_fails_leaves_the_old_file(tmp_path):

@@ -15,8 +15,7 @@ import pytest
 from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose
 
-from snowsim.io.files import write_dataset
-from snowsim.io.frames import read_frame
+from snowsim.io import read_frame, write_dataset
 from snowsim.phy import draw_speckle, mean_power
 from snowsim.statistics import fit
 

@@ -6,8 +6,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from snowsim.io import read_echogram
-from snowsim.io.pictures import write_picture
+from snowsim.io import read_echogram, write_picture
 
 
 def share_white(path):

@@ -6,6 +6,7 @@ import scipy.io
 import xarray as xr
 from formats import refused
 from numpy.testing import assert_array_equal
+from refusals import refusal
 
 import snowsim
 from snowsim import cli
@@ -84,7 +85,7 @@ def test_a_number_of_a_frame_goes_on_and_a_name_tells_it(tmp_path):
 def test_a_frame_without_a_place_has_none_after_it():
     frame, _ = simulated()
     frame["Latitude"][-1] = np.nan
-    with pytest.raises(ValueError, match="after: Latitude and Longitude of its end"):
+    with refusal("after: Latitude and Longitude of its end"):
         simulated(after=frame)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 
 from snowsim.constants import STATISTICS_CONTENT
 from snowsim.echogram import Kind
@@ -81,5 +82,5 @@ def power_of(echoes):
 )
 def test_bad_statistics_are_refused(statistics, name, value, message):
     statistics[name] = value
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         dress(flat(3), statistics)

@@ -1,7 +1,7 @@
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, PLAIN_RELIEF, planted
+from refusals import refusal
 
 from snowsim.labels import Nonstationary, draw_scene, prepare
 
@@ -79,5 +79,5 @@ def test_trends_and_folds_keep_layers_apart_and_are_counted():
 
 
 def test_impossible_settings_are_refused():
-    with pytest.raises(ValueError, match="fold_length_lines must be finite, at least 4, got 3"):
+    with refusal("fold_length_lines must be finite, at least 4, got 3"):
         Nonstationary(fold_length_lines=3)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
 from snowsim.echogram import Echoes, Kind
-from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.io import SceneSet, write_scenes
 from snowsim.labels import draw_scene, prepare, redress
 from snowsim.phy import render
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import torch
 from formats import refused
+from refusals import refusal
 
 from lib.cgan_training import note_saturation
 from lib.training import TrainingRun, check_memory, enough_memory
@@ -76,17 +77,14 @@ def test_a_truncated_checkpoint_is_refused_in_one_line(unfinished, kept):
 
 
 def test_too_little_memory_is_one_line():
-    with pytest.raises(
-        ValueError, match=r"too little memory for a network: it needs at least 1e\+09 GB"
-    ):
+    with refusal(r"too little memory for a network: it needs at least 1e\+09 GB"):
         check_memory(1e18, "a network")
     check_memory(1, "a number")
     with (
-        pytest.raises(ValueError, match="too little memory for a tensor: ") as error,
+        refusal("too little memory for a tensor: "),
         enough_memory("a tensor"),
     ):
         torch.empty(1 << 60, dtype=torch.uint8)
-    assert "\n" not in str(error.value)
     with pytest.raises(RuntimeError, match="shape"), enough_memory("a tensor"):
         torch.ones(2).reshape(3)
 

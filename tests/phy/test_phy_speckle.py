@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 from scipy.special import gammainc, ndtr
 from scipy.stats import gamma, ks_2samp, kstest
 
@@ -145,6 +146,5 @@ def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_
 )
 def test_bad_input_is_refused_in_one_line(change, message, rng):
     given = {"mean_power": np.ones((4, 4)), "n_looks": 16} | change
-    with pytest.raises(ValueError, match=message) as refused:
+    with refusal(message):
         draw_speckle(**given, rng=rng)
-    assert "\n" not in str(refused.value)

@@ -14,7 +14,7 @@ from pretrained.resizing import in_bins
 from pretrained.scenes import FirnRanges, firn_scene, labelled, on_lines, training_scenes
 from snowsim.echogram import Kind, Scene
 from snowsim.front import REFERENCE
-from snowsim.io.files import read_dataset
+from snowsim.io import read_dataset
 from snowsim.labels import draw_scene
 from snowsim.patches import check_trainable
 from snowsim.snowpack import Climate, Radar

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from flights import climate_of
 from numpy.testing import assert_allclose
+from refusals import refusal
 
 from reference import checked_settings
 from reference.climate import draw_waves
@@ -88,6 +89,6 @@ def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation
     ],
 )
 def test_settings_out_of_range_are_refused_by_name(reference, message):
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         checked_settings(reference)
     check_window(Settings())  # every start of the workflow takes the default's for granted

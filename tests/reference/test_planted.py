@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose
 from reference import draw_frame, draw_scene
 from reference import echo as echo_module
 from snowsim.echogram import SURFACE_ROW, layer_bins_of
-from snowsim.io.files import read_dataset, write_dataset
-from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.io import SceneSet, read_dataset, write_dataset, write_scenes
 from snowsim.seeding import random_stream
 
 SHORT_TAILS = {"surface_slope": 0.005, "horizon_slope": 0.005, "diffuse_share": 0.0}

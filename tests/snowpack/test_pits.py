@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
+from refusals import refusal
 from snowpacks import depth_to_delay
 
 import snowsim
 from snowsim import cli
-from snowsim.io.files import read_dataset
-from snowsim.io.profiles import read_profile
+from snowsim.io import read_dataset, read_profile
 from snowsim.snowpack import Snowpack
 
 
@@ -126,12 +126,12 @@ def test_tables_as_pangaea_and_sumup_give_them_are_read(read):
 def test_depth_in_water_equivalent_is_no_depth_in_snow(read, header):
     rows = "\n0.016,310\n0.052,420\n"
     for how in ({}, {"depth_column": header}):
-        with pytest.raises(ValueError, match=r"water equivalent"):
+        with refusal(r"water equivalent"):
             read(f"{header},density{rows}", **how)
     # Beside a depth in snow it is passed over; its unit may stand in a row below the header.
     beside = f"depth [m],{header},density\n0.05,0.016,310\n0.15,0.052,420\n"
     assert_allclose(read(beside).depth_m, [0.05, 0.15])
-    with pytest.raises(ValueError, match="expected depth in snow, found water equivalent"):
+    with refusal("expected depth in snow, found water equivalent"):
         read(f"depth,density\nm w.e.,kg m-3{rows}")
 
 
@@ -190,10 +190,10 @@ def test_bad_pits_end_in_one_line_that_names_the_file(tmp_path, capsys, text, me
     [{"depth_unit": "m"}, {"density_unit": "g cm-3"}, {"depth_of": "bottom"}],
 )
 def test_options_that_contradict_the_header_are_refused(read, options):
-    with pytest.raises(ValueError, match="as the header says"):
+    with refusal("as the header says"):
         read("top_cm,density_kgm3\n0,310\n10,320", **options)
     # Anything else was taken for bottoms.
-    with pytest.raises(ValueError, match="depth_of must be one of top, bottom, middle, got 'tops'"):
+    with refusal("depth_of must be one of top, bottom, middle, got 'tops'"):
         read("depth_cm,density_kgm3\n0,310\n10,320", depth_of="tops")
 
 
@@ -231,7 +231,7 @@ def test_samples_reach_half_way_to_their_neighbours_and_the_last_goes_on():
     ],
 )
 def test_what_is_no_profile_is_refused_in_one_line(depth_m, density, message):
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         Snowpack.from_profile(depth_m, density)
 
 

@@ -5,12 +5,12 @@ import pandas as pd
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 
 import snowsim
 from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.io.files import write_dataset
-from snowsim.io.profiles import Profile
+from snowsim.io import Profile, write_dataset
 from snowsim.snowpack import accumulation, by_year, pieces, table
 from snowsim.snowpack.firn import temperature_fausto09
 
@@ -241,7 +241,7 @@ def test_without_a_density_firn_is_that_of_the_place_in_greenland(year_m):
     )
     given = accumulation(layers, 340, year=2011, temperature_k=found.attrs["temperature_k"])
     assert_allclose(found["accumulation_m_we"], given["accumulation_m_we"])
-    with pytest.raises(ValueError, match="density: unknown outside Greenland"):
+    with refusal("density: unknown outside Greenland"):
         accumulation(layers.assign(Longitude=layers["Longitude"] + 45), year=2011)
 
 
@@ -326,9 +326,8 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
 )
 def test_what_tells_no_accumulation_is_refused_in_a_line(year_m, change, options, message):
     options = {"density": DENSITY, "year": 2011} | options
-    with pytest.raises(ValueError, match=message) as error:
+    with refusal(message):
         accumulation(change(layers_of(below_s(water_of(year_m)))), **options)
-    assert "\n" not in str(error.value)
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from flights import frames_of
+from refusals import refusal
 
 from snowsim.statistics import fit
 from snowsim.statistics.summaries import looks_like_amplitude
@@ -40,5 +41,5 @@ def test_amplitude_is_told_from_power_at_any_number_of_looks(frames, looks):
     # Nor is it amplitude where layer 0 is not the surface, whose echo is then no air.
     assert not looks_like_amplitude(power, layers.isel(layer=slice(1, None)))
     amplitude = power.assign(Data=np.sqrt(power["Data"]))
-    with pytest.raises(ValueError, match="frame 0: Data: expected linear power, found amplitude"):
+    with refusal("frame 0: Data: expected linear power, found amplitude"):
         fit([(amplitude, layers)])

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.tracker import (
@@ -177,7 +178,7 @@ def test_picks_of_single_precision_are_those_of_its_values_in_double(rng):
     ],
 )
 def test_maps_and_thresholds_beyond_their_limits_are_refused(largest, threshold, message):
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         pick_layers(np.full((9, 9), largest), threshold=threshold, where="map")
 
 

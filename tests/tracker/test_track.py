@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refusal
 
 from snowsim.tracker import Settings, Training, track, trained_network
 
@@ -22,5 +23,5 @@ def test_a_network_read_back_tracks_the_same_and_half_precision_nearly(network, 
 
 @pytest.mark.parametrize("image", [np.full((20, 10), 9, np.uint8), np.ones((20, 10))])
 def test_images_that_are_none_are_refused(network, image):
-    with pytest.raises(ValueError, match="image must be uint8 .* with contrast"):
+    with refusal("image must be uint8 .* with contrast"):
         track(network, image)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_layers import BIN_S, NAMES, SURFACE_BIN, planted, ridge_weights, write_weights
+from refusals import refusal
 
 from snowsim.echogram import bin_size_s, check_layers
 from snowsim.io import read_echogram
@@ -312,9 +313,8 @@ def test_twenty_thousand_bins_are_tracked_like_four_hundred(tracker, rng):
     ids=["no line", "constant", "falling time", "milliseconds", "20 bins", "a path", "an array"],
 )
 def test_an_echogram_that_cannot_be_tracked_is_refused_in_a_line(tracker, frame, change, message):
-    with pytest.raises(ValueError, match=message) as error:
+    with refusal(message):
         tracker.pick(change(frame[0]))
-    assert "\n" not in str(error.value)
 
 
 def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
@@ -341,9 +341,8 @@ def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
 )
 def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, message):
     path = write_weights(tmp_path, ridge_weights(), **changes)
-    with pytest.raises(ValueError, match=message) as error:
+    with refusal(message) as error:
         Tracker.load(path)
-    assert "\n" not in str(error.value)
     assert str(error.value).startswith(str(tmp_path))
 
 
@@ -360,23 +359,21 @@ def test_a_card_that_is_no_json_object_or_missing_is_refused(tmp_path, card, mes
     path.with_suffix(".json").unlink()
     if card is not None:
         path.with_suffix(".json").write_text(card)
-    with pytest.raises(ValueError, match=message):
+    with refusal(message):
         Tracker.load(path)
 
 
 def test_weights_that_are_no_network_are_refused(tmp_path):
     path = write_weights(tmp_path, b"not a network")
-    with pytest.raises(ValueError, match="expected an ONNX network"):
+    with refusal("expected an ONNX network"):
         Tracker.load(path)
 
 
 def test_the_name_of_weights_that_are_not_shipped_is_refused():
-    with pytest.raises(
-        ValueError, match="that comes with the package must be one of universal, got"
-    ):
+    with refusal("that comes with the package must be one of universal, got"):
         Tracker.from_pretrained("nothing")
     for name in ("nothing", "universal"):
-        with pytest.raises(ValueError, match=f"^{name}: tracker: .* one of: universal"):
+        with refusal(f"^{name}: tracker: .* one of: universal"):
             Tracker.load(name)
 
 

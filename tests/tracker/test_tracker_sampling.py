@@ -3,6 +3,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from refusals import refusal
 from toy_scenes import toy_scenes
 
 from snowsim.tracker import Completed, TrainingSet
@@ -59,7 +60,7 @@ def test_the_order_depends_on_the_seed_alone_scenes_are_read_when_drawn_and_real
     [(5, [3, 0], "scenes of a set must"), (1, [9], "added scenes an ep")],
 )
 def test_sets_without_scenes_are_refused(real, added, words):
-    with pytest.raises(ValueError, match=words):
+    with refusal(words):
         TrainingSet(
             Numbered("real", real), [Numbered("a", n) for n in added], added_per_real=0.4, seed=1
         )

@@ -27,8 +27,7 @@ from runs import (
 from snakemake.utils import update_config
 
 from lib.configuration import filled
-from snowsim.io.frames import read_frames
-from snowsim.io.scenes import SceneSet
+from snowsim.io import SceneSet, read_frames
 from snowsim.statistics import fit
 
 EXAMPLES = sorted((ROOT / "config/examples").glob("*.yaml"))

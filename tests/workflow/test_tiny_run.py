@@ -11,7 +11,7 @@ from result_tables import OUTPUTS, SETS
 from runs import TINY, run_snakemake
 
 from snowsim.echogram import crossing_layers
-from snowsim.io.scenes import SceneSet
+from snowsim.io import SceneSet
 
 
 def test_both_tables_are_complete(tiny_run):

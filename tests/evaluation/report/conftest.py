@@ -15,7 +15,7 @@ from evaluation.lib.report import (
     page_content,
     write_page,
 )
-from snowsim.io.files import read_table
+from snowsim.io import read_table
 
 REPORT = Path(__file__).parents[3] / "workflow/evaluation/report"
 

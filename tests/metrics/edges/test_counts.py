@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from refusals import refusal
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 from scipy.spatial import cKDTree
@@ -98,5 +99,5 @@ GOOD = np.full((4, 5), 0.5)
 )
 def test_bad_input_is_refused_by_the_name_of_its_image(changes, message):
     arguments = {"prediction": GOOD, "truth": GOOD > 0, "thresholds": [0.5]} | changes
-    with pytest.raises(ValueError, match=f"^scene_7: .*{message}"):
+    with refusal(f"^scene_7: .*{message}"):
         match_counts(**arguments, where="scene_7")
