@@ -10,6 +10,7 @@ from scipy.signal import periodogram
 from snowsim.echogram import Kind
 from snowsim.front import scenes
 from snowsim.labels import draw_paper_scene, dress, prepare
+from snowsim.statistics import varied
 
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
@@ -93,9 +94,10 @@ def test_statistics_without_a_plain_spectrum_are_refused(rng):
         lambda statistics: draw_paper_scene(statistics, 64, name="", rng=1),
         lambda statistics: dress(np.zeros((1, 4)), statistics),
         lambda statistics: scenes(2, statistics=statistics, rng=1),
+        lambda statistics: varied(statistics, rng=1),
     ],
-    ids=["prepare", "draw_paper_scene", "dress", "scenes"],
+    ids=["prepare", "draw_paper_scene", "dress", "scenes", "varied"],
 )
 def test_statistics_of_an_earlier_version_are_refused_in_one_line(door):
-    with refusal("statistics: content must be .* got 'earlier': fit them"):
+    with refusal("statistics: content must be .* 3', got 'earlier': fit them"):
         door(planted().assign_attrs(content="earlier"))

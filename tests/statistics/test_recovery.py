@@ -9,8 +9,7 @@ from snowsim import statistics
 BOUNDS = {"peak_power": 0.03, "decay_rate": 0.05, "variance_bins2": 0.2, "noise_power": 0.01}
 
 
-@pytest.mark.parametrize("align", ["peak", "gaussian"])
-@pytest.mark.parametrize(("n_looks", "n_frames"), [(100, 4), (5, 16)])
+@pytest.mark.parametrize(("align", "n_looks", "n_frames"), [("peak", 5, 16), ("gaussian", 100, 4)])
 def test_deblended_recovers_what_was_planted(rng, align, n_looks, n_frames):
     planted = Alike()
     fitted = statistics.fit(planted.flight(rng, n_frames=n_frames, n_looks=n_looks, align=align))

@@ -128,8 +128,3 @@ def test_statistics_of_images_have_no_gain_to_change(flight, rng):
     lacking = flight.drop_vars(["line_gain_spread_db", "speckle_correlation"])
     other = varied(lacking, rng=rng)
     assert "line_gain_spread_db" not in other
-
-
-def test_statistics_of_an_earlier_version_are_refused_in_one_line(flight, rng):
-    with refusal("statistics: content must be .* 3', got 'none': fit them"):
-        varied(flight.assign_attrs(content="none"), rng=rng)
