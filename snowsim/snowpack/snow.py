@@ -17,7 +17,7 @@ SURFACE = "surface"
 SURFACE_DENSITY_KG_M3 = 340.0
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
 N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
-TYPICAL_LINES = 300  # range lines to either side, whose median mass of a year is the typical one
+TYPICAL_LINES = 601  # range lines, whose median mass of a year is the typical one in the middle
 # Standard deviation of a year's mass over the typical one: years differ (by .13 to .31 in cores),
 # and picks and the typical mass have errors.
 SPREAD = 0.3
@@ -175,7 +175,7 @@ def _picks(layers, least_confidence):
     layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
     twtt = layers["twtt"]
-    if names[0] not in (SURFACE, "0") or not twtt[0].notnull().any() or len(names) < 2:
+    if len(names) < 2 or names[0] not in (SURFACE, "0"):
         msg = "layers: expected the surface first, with travel times, and others below it, "
         msg += f"found {', '.join(names)}"
         raise ValueError(msg)
@@ -227,8 +227,7 @@ def _dated(water_m, picks, year, annual):
     older = {layer: known[first] - value for layer, value in known.items()}
     doubt = picks.doubt.copy()
     doubt[list(given)] = KNOWN_DOUBT
-    year_m = np.diff(np.sort(water_m[1:], axis=0), axis=0)
-    typical_m = _typical(year_m) * _scale(year_m / _typical(year_m))
+    typical_m = _first_typical(water_m[1:])
     for _ in range(N_ROUNDS):
         age, above, miscount = _vote(water_m / typical_m, doubt, older, first)
         whole = above > 0
@@ -269,7 +268,7 @@ def _in_order(n_layers, given):
     """Years of all layers, each a year older than the one above it, but for those given."""
     layers = list(given)
     more = -np.diff(list(given.values())) - np.diff(layers)
-    if (more[np.diff(layers) > 1] != 0).any():
+    if more[np.diff(layers) > 1].any():
         msg = f"year: expected as many years from name to name as layers, found {more} more: name "
         msg += "every layer, or count years"
         raise ValueError(msg)
@@ -292,25 +291,24 @@ def _check_years(years, given):
 
 def _typical(year_m):
     """Typical mass of a year (range_line,): the median of `year_m` in depth, then along track."""
-    around = pd.DataFrame(year_m).median().rolling(2 * TYPICAL_LINES + 1, 1, center=True)
+    around = pd.DataFrame(year_m).median().rolling(TYPICAL_LINES, 1, center=True)
     return around.median().interpolate(limit_direction="both").to_numpy()
 
 
-def _scale(ratio):
-    """Most probable mass of a typical year, over the median of spans, from the masses of all.
+def _first_typical(water_m):
+    """Typical mass of a year (range_line,), before years between picks (layer, line) are counted.
 
-    Where most horizons are missing, the median is of several years.
+    Where most horizons are missing, the median of spans is of several years: of shares of it, the
+    one that makes the masses of all spans most probable.
     """
+    year_m = np.diff(np.sort(water_m, axis=0), axis=0)
+    typical_m = _typical(year_m)
+    ratio = year_m / typical_m
     ratio = ratio[np.isfinite(ratio)]
-    some = np.maximum(ratio[:: 1 + ratio.size // N_SPANS, None], LEAST_RATIO)
-    n_years = np.arange(LONG_YEARS)
-    found = [
-        np.log(
-            np.exp(_log_likelihood(some / scale, n_years, LEAST_DOUBT)).sum(axis=1) / scale
-        ).sum()
-        for scale in SCALES
-    ]
-    return SCALES[np.argmax(found)]
+    some = np.maximum(ratio[:: 1 + ratio.size // N_SPANS], LEAST_RATIO) / SCALES[:, None]
+    of_years = _log_likelihood(some[..., None], np.arange(LONG_YEARS), LEAST_DOUBT)
+    likelihood = np.exp(of_years).sum(axis=2) / SCALES[:, None]
+    return typical_m * SCALES[np.log(likelihood).sum(axis=1).argmax()]
 
 
 def _log_likelihood(ratio, n_years, doubt):
@@ -322,7 +320,7 @@ def _log_likelihood(ratio, n_years, doubt):
     none = NO_HORIZON * doubt
     years = np.maximum(n_years, 1)
     variance = np.log1p(SPREAD**2 / years)
-    of_mass = -(np.log(ratio / years) ** 2) / (2 * variance) - np.log(2 * np.pi * variance) / 2
+    of_mass = -(np.log(ratio / years) ** 2 / variance + np.log(2 * np.pi * variance)) / 2
     gap = np.where(years == 1, 1 - MISSED, MISSED / np.maximum(years**2 - years, 1))
     whole = np.log((1 - none) * gap / ratio) + of_mass
     nothing = np.log(none) - np.maximum(ratio - 1, 0) ** 2 / (2 * SPREAD**2)
@@ -340,18 +338,17 @@ def _vote(years, doubt, older, first):
     above = np.full(years.shape, -1)
     miscount = np.zeros(len(years))
     # Where the first horizon is missing, snow is counted from a year above where it is elsewhere.
-    open_years = pd.Series(years[1]).median()
-    last_years = np.full(years.shape[1], open_years - 1)
-    last_age = np.full(last_years.size, -1)
-    last = np.zeros(last_years.size, dtype=int)
+    years = years.copy()
+    years[0] = pd.Series(years[1]).median() - 1
+    last = np.zeros(years.shape[1], dtype=int)
     for layer, own in enumerate(years[1:], start=1):
-        there = np.isfinite(own)
-        if not there.any():
+        there = np.flatnonzero(np.isfinite(own))
+        if there.size == 0:
             continue
+        upper = last[there]
         # The snow above the first is half a year on average, or more if a horizon is missing.
-        ratio = own - last_years if layer > 1 else np.maximum(own + 0.5, 1)
-        upper_age = last_age[there]
-        ages, share = _ages(ratio[there], upper_age, np.median(doubt[layer, there]))
+        ratio = own[there] - years[upper, there] if layer > 1 else np.maximum(own[there] + 0.5, 1)
+        ages, share = _ages(ratio, age[upper], np.median(doubt[layer, there]))
         deeper = min((n for n in older if n > layer > first), default=layer)
         below = pd.Series(years[deeper] - own).median()
         if below > 0:
@@ -361,12 +358,10 @@ def _vote(years, doubt, older, first):
         if layer in older and layer > first:
             age[layer] = age[first] + older[layer]
         expected = share @ np.abs(ages - age[layer]) / share.sum()
-        miscount[layer] = miscount[last[there]].mean() + expected
-        horizon = there & (age[layer] > last_age)
+        miscount[layer] = miscount[upper].mean() + expected
+        horizon = there[age[layer] > age[upper]]
         above[layer, horizon] = last[horizon]
         last[horizon] = layer
-        last_age[horizon] = age[layer]
-        last_years[horizon] = own[horizon]
     return age, above, miscount
 
 
@@ -403,25 +398,25 @@ def _warn(picks, dated):
 def _by_year(layers, picks, column, dated, density_error):
     """Dataset of `accumulation`: each span is divided into equal years."""
     depth_m = column.at(column.depth_m, picks.below_s)
-    layer, line = np.nonzero(dated.whole)
-    upper = dated.above[layer, line]
-    n_years = dated.n_years[layer, line].astype(int)
-    thickness_m = depth_m[layer, line] - depth_m[upper, line]
-    between_s = picks.below_s[layer, line] - picks.below_s[upper, line]
-    of_picks = np.hypot(picks.error_s[layer, line], picks.error_s[upper, line]) / between_s
-    span_m = dated.span_m[layer, line]
+    layer, line = base = np.nonzero(dated.whole)
+    upper, _ = top = (dated.above[base], line)
+    n_years = dated.n_years[base].astype(int)
+    thickness_m = depth_m[base] - depth_m[top]
+    between_s = picks.below_s[base] - picks.below_s[top]
+    of_picks = np.hypot(picks.error_s[base], picks.error_s[top]) / between_s
+    span_m = dated.span_m[base]
     density = WATER_DENSITY_KG_M3 * span_m / thickness_m
     # Of years that have one mean, each scatters about it, and so does the density of each.
     of_year = SPREAD * np.sqrt(1 - 1 / n_years)
     of_snow = DENSITY_SD_KG_M3 / density / np.sqrt(n_years)
     of_density = np.hypot(density_error, of_snow) / (1 + KOVACS_M3_KG * density)
     relative = np.hypot(of_picks, NINE_OF_TEN * np.hypot(of_density, of_year))
-    sure = dated.sure[layer, line]
+    sure = dated.sure[base]
     mean_m = span_m / n_years
     spans = {
         "line": line,
         "year": dated.newest - dated.age[upper],
-        "depth_m": depth_m[upper, line],
+        "depth_m": depth_m[top],
         "thickness_m": thickness_m / n_years,
         "accumulation_m_we": mean_m,
         "low": mean_m * np.maximum(1 - relative, 0),
@@ -434,14 +429,15 @@ def _by_year(layers, picks, column, dated, density_error):
         "error_step": (dated.error[layer] - dated.error[upper]) / n_years,
         "flag": (sure < LEAST_SURE).astype(int),
     }
-    rows = pd.DataFrame(spans).loc[np.repeat(np.arange(line.size), n_years)]
+    rows = pd.DataFrame(spans)
+    rows = rows.loc[rows.index.repeat(n_years)]
     within = rows.groupby(level=0).cumcount()
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
     rows["age_error_years"] += within * rows.pop("error_step")
     found = _dataset(layers, rows, dated, column, picks.below_s)
     uppermost = (dated.above == 0).sum(axis=1).argmax()
-    no_horizon = [picks.names[n] for n in np.flatnonzero((dated.above < 0).all(axis=1))[1:]]
+    _, *no_horizon = np.array(picks.names)[(dated.above < 0).all(axis=1)]
     return found.assign_attrs(
         uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
         no_horizon=", ".join(no_horizon),
