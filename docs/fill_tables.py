@@ -1,11 +1,14 @@
-"""Fill README's table and pictures from a finished default run.
+# ruff: noqa: E402
+"""Fill the tables and pictures of README and pages from finished runs.
 
-``python docs/fill_tables.py [RESULTS]`` replaces what stands between ``<!-- results -->`` and
-``<!-- /results -->``, draws ``docs/sample.png`` and copies ``docs/speed_accuracy.png``. Every other
-table on the pages is typed.
+``python docs/fill_tables.py [RESULTS]`` replaces what stands between ``<!-- NAME -->`` and ``<!--
+/NAME -->`` on every page by the table of that name, see `TABLES`, draws ``docs/sample.png`` and
+copies the figures that pages show. A table whose files are not there is left as it is, and named.
 """
 
+import re
 import shutil
+import sys
 from pathlib import Path
 
 import click
@@ -13,14 +16,25 @@ import numpy as np
 import pandas as pd
 from matplotlib import pyplot as plt
 
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "workflow")]
+
+from claims import claims
+
 import snowsim
+from evaluation.lib.figures.style import name_of
+from evaluation.lib.flight_scores import PAIRS
+from evaluation.lib.report import distinguished, errors_of_picks, recovered
+from pretrained.card import commit_of
 from snowsim.echogram import SURFACE_ROW, layer_bins_of, to_db
 from snowsim.io import read_echogram
 from snowsim.io.scenes import SceneSet
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
-OPENED, CLOSED = "<!-- results -->\n", "<!-- /results -->"
+PAPER = ROOT / "workflow/evaluation/report/paper"
+WAYS = {"universal": "tracker", "baseline": "peaks", "sato": "ridges"}
+N_COSTS = 8  # rules that a table of costs names
+DEFAULT_TABLE = "8 a bin"
 SETS = {"rd": "RD", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD"}
 RENDERER = {"rd_gd": "cgan", "rd_pd": "phy"}  # of the scenes that a set adds
 SIMILARITY = {"ssim": ("SSIM", 2), "psnr": ("PSNR [dB]", 1), "rmse": ("RMSE [grey levels]", 1)}
@@ -79,16 +93,227 @@ def similarity(results):
     return rows
 
 
+def default_run(results):
+    """README's table: scores of trackers, and similarity of renders."""
+    return markdown(["", *SETS.values()], edge_scores(results) + similarity(results))
+
+
+def signed(row):
+    """A mean with its interval."""
+    return f"{row['mean']:+.3f} [{row['low']:+.3f}, {row['high']:+.3f}]"
+
+
+def flights(results, pairs=tuple(PAIRS)):
+    """Differences over the flights of the study."""
+    worth = pd.read_csv(results / "studies/flights/worth.csv")
+    keyed = worth[worth["base"].notna()].set_index(["training_set", "base", "metric"])
+    means = worth[worth["base"].isna()].set_index(["training_set", "metric"])["mean"]
+    rows = []
+    for name, base in pairs:
+        ods, ap = (keyed.loc[(name, base, metric)] for metric in ("ods", "ap"))
+        higher = ods.filter(like="flight_").astype(float) > 0
+        both = f"{means[name, 'ods']:.3f} - {means[base, 'ods']:.3f}"
+        label = f"{name_of(name)} less {name_of(base)}"
+        rows.append([label, both, signed(ods), signed(ap), f"{higher.sum()} of {higher.size}"])
+    return markdown(["sets", "means of ODS", "ODS", "AP", "higher in ODS"], rows)
+
+
+def headline(results):
+    """README's table of the study: its endpoint, and full labels in place of synthetic scenes."""
+    return flights(results, (("rd_pd", "rd"), ("rd_gd", "rd"), ("rd_full", "rd")))
+
+
+def table2(results):
+    """Similarity of renders beside the paper's."""
+    ours, paper = (
+        pd.read_csv(path).set_index(["metric", "statistic"])
+        for path in (results / "tables/table2.csv", PAPER / "table2.csv")
+    )
+    rows = []
+    for metric, (name, n_digits) in SIMILARITY.items():
+        row = [name]
+        for source in (ours, paper):
+            for method in ("cgan", "phy"):
+                values = source.loc[metric].loc[["min", "mean", "max"], method]
+                row.append(" / ".join(f"{value:.{n_digits}f}" for value in values))
+        rows.append(row)
+    return markdown(["metric", "cGAN", "PHY", "paper: cGAN", "paper: PHY"], rows)
+
+
+def table3(results):
+    """ODS / OIS / AP of every output, differences to RD, and the paper's fused output."""
+    ours, paper = (
+        pd.read_csv(path).set_index("output")
+        for path in (results / "tables/table3.csv", PAPER / "table3.csv")
+    )
+    intervals = pd.read_csv(results / "tables/table3_intervals.csv")
+    fused = intervals[intervals["output"] == "fuse"].set_index(["metric", "training_set"])
+    rows = []
+    for output in ours.index:
+        rows.append([output.replace("_", " "), *scores_of(ours.loc[output])])
+    at_validation = [f"{ours.loc['fuse', f'{name}_f']:.3f}" for name in SETS]
+    rows.append(["fuse, F at validation's threshold", *at_validation])
+    for metric in ("ods", "ap"):
+        cells = [""]
+        for name in list(SETS)[1:]:
+            found = fused.loc[(metric, name)].filter(like="difference")
+            cells.append(signed(found.set_axis(["mean", "low", "high"])))
+        rows.append([f"fuse less RD, {metric.upper()}", *cells])
+    rows.append(["paper: fuse", *scores_of(paper.loc["fuse"])])
+    return markdown(["output", *SETS.values()], rows)
+
+
+def scores_of(row):
+    """ODS/OIS/AP of every training set in a row of Table III."""
+    return [
+        "/".join(f"{row[f'{name}_{metric}']:.3f}" for metric in ("ods", "ois", "ap"))
+        for name in SETS
+    ]
+
+
+def picks(results):
+    """Errors of picks."""
+    table = errors_of_picks(pd.read_csv(results / "tables/picks.csv"))
+    return markdown(["", *SETS.values()], table.to_numpy().tolist())
+
+
+def two_sample(results):
+    """How often a network tells observed scenes from others."""
+    table = distinguished(pd.read_csv(results / "tables/two_sample.csv"))
+    return markdown(list(table), table.to_numpy().tolist())
+
+
+def closed_loop(results):
+    """Errors of statistics re-estimated from PHY's renders."""
+    table = recovered(pd.read_csv(results / "tables/closed_loop.csv"))
+    return markdown(list(table), table.astype(str).to_numpy().tolist())
+
+
+def as_printed(results):
+    """Table III by the paper's own choices."""
+    table = pd.read_csv(results / "as_printed/tables/table3.csv").set_index("output")
+    return markdown(["", *SETS.values()], [["ODS/OIS/AP", *scores_of(table.loc["fuse"])]])
+
+
+def budgets(results):
+    """ODS on validation scenes by training set and number of gradients."""
+    path = results / "studies/budgets.csv"
+    table = pd.read_csv(path).pivot_table("ods", "training_set", "n_gradients")
+    rows = [
+        [name_of(name), *("" if np.isnan(ods) else f"{ods:.3f}" for ods in row)]
+        for name, row in zip(table.index, table.to_numpy(), strict=True)
+    ]
+    return markdown(["gradients", *map(str, table.columns)], rows)
+
+
+def transfer(results):
+    """The package's tracker on flights it never saw, beside ways without training."""
+    scores = pd.read_csv(results / "tables/transfer.csv").set_index("flight")
+    ways = pd.read_csv(results / "tables/transfer_accumulation.csv")
+    f = ways.pivot(index="flight", columns="tracker", values="f").loc[scores.index[:-1]]
+    f.loc["mean"] = f.mean()
+    rows = []
+    for flight, row in scores.iterrows():
+        own = [f"{row[name]:.3f}" for name in ("ods", "f", "missed_share", "false_share")]
+        untrained = [f"{f.loc[flight, way]:.3f}" for way in ("baseline", "sato")]
+        rows.append([name_of(flight), *own, *untrained])
+    return markdown(["flight", "ODS", "F", "missed", "false", "peaks: F", "ridges: F"], rows)
+
+
+def accumulation(results):
+    """Accumulation from picks of flights and climates, means over them."""
+    table = pd.read_csv(results / "tables/transfer_accumulation.csv")
+    group = np.where(table["flight"].str.startswith("climate"), "climates", "flights")
+    columns = ["f", "bias", "rms", "inside", "correlation", "given", "wrong"]
+    means = table.groupby([group, "tracker"], sort=False)[columns].mean()
+    rows = []
+    for (group, way), row in means.iterrows():
+        cells = [f"{row[name]:.2f}" for name in columns]
+        cells[1:3] = [f"{100 * row['bias']:+.1f}", f"{100 * row['rms']:.0f}"]
+        rows.append([f"{group}: {WAYS.get(way, way)}", *cells])
+    header = ["", "F", "bias [%]", "rms [%]", "inside", "correlation", "given", "wrong"]
+    return markdown(header, rows)
+
+
+def costs(results):
+    """Core-seconds of the default run by stage."""
+    seconds = {}
+    for path in (results / "benchmarks").rglob("*.tsv"):
+        rule = path.relative_to(results / "benchmarks").parts[0]
+        used = pd.read_csv(path, sep="\t", na_values="-")["cpu_time"].sum()
+        seconds[rule] = seconds.get(rule, 0) + used
+    longest = sorted(seconds.items(), key=lambda item: -item[1])[:N_COSTS]
+    total = sum(seconds.values())
+    rows = [[f"`{rule}`", f"{used:.0f}"] for rule, used in longest]
+    return markdown(["rule", "core-seconds"], [*rows, ["all", f"{total:.0f}"]])
+
+
+def speed(results):
+    """Fastest times and errors of the ways to PHY's parts and to whole scenes."""
+    table = pd.read_csv(results / "tables/speed_accuracy.csv")
+    table["ns"] = table["seconds"] / table["n_pixels"] * 1e9
+    keys = ["panel", "method", "setting"]
+    fastest = table.groupby(keys, sort=False)[["ns", "error_db", "distance"]].min().reset_index()
+    rows = []
+    for row in fastest.itertuples():
+        if row.setting == "floor" or (row.method == "table" and row.setting != DEFAULT_TABLE):
+            continue
+        error = f"{row.error_db:.2g} dB" if np.isfinite(row.error_db) else ""
+        error = f"{row.distance:.1g}" if np.isfinite(row.distance) else error
+        rows.append([f"{row.panel}: {row.method}, {row.setting}", f"{row.ns:.3g}", error])
+    return markdown(["way", "ns a pixel", "largest error"], rows)
+
+
+def of_claims(results):
+    """The paper's claims."""
+    return markdown(["claim", "verdict", "numbers"], claims(results))
+
+
+def commit(results):
+    """The line that says what tables are of."""
+    return f"Tables are of commit {commit_of(ROOT)[:7]}.\n"
+
+
+TABLES = {
+    "results": default_run,
+    "headline": headline,
+    "flights": flights,
+    "table2": table2,
+    "table3": table3,
+    "picks": picks,
+    "two_sample": two_sample,
+    "closed_loop": closed_loop,
+    "as_printed": as_printed,
+    "budgets": budgets,
+    "transfer": transfer,
+    "accumulation": accumulation,
+    "costs": costs,
+    "speed": speed,
+    "claims": of_claims,
+    "commit": commit,
+}
+
+
 def filled(page, results):
-    """Text of a page with the table of a run. ValueError if the page has no place for it."""
-    before, opened, rest = page.partition(OPENED)
-    _, closed, after = rest.partition(CLOSED)
-    if not (opened and closed):
-        msg = f"expected {OPENED.strip()} and {CLOSED}, found no such place"
-        raise ValueError(msg)
-    header = ["", *SETS.values()]
-    table = markdown(header, edge_scores(results) + similarity(results))
-    return f"{before}{OPENED}{table}{CLOSED}{after}"
+    """Text of a page with the tables of a run, and names of those whose files are not there.
+
+    ValueError if a place is not closed or its table is none of `TABLES`.
+    """
+    missing = []
+    for name in re.findall(r"^<!-- (\w+) -->$", page, flags=re.MULTILINE):
+        opened, closed = f"<!-- {name} -->\n", f"<!-- /{name} -->"
+        before, _, rest = page.partition(opened)
+        _, end, after = rest.partition(closed)
+        if not end or name not in TABLES:
+            msg = f"{opened.strip()}: expected the name of a table, and {closed} behind it"
+            raise ValueError(msg)
+        try:
+            table = TABLES[name](results)
+        except FileNotFoundError as error:
+            missing.append(f"{name}: {error.filename}")
+            continue
+        page = f"{before}{opened}{table}{closed}{after}"
+    return page, missing
 
 
 def sample(results):
@@ -123,10 +348,17 @@ def sample(results):
 @click.command()
 @click.argument("results", type=click.Path(path_type=Path), default=ROOT / "results")
 def main(results):
-    """Fill README's table and pictures."""
-    README.write_text(filled(README.read_text(), results))
+    """Fill the tables and pictures of README and pages."""
+    for page in (README, *sorted((ROOT / "docs").rglob("*.md"))):
+        text, missing = filled(page.read_text(), results)
+        page.write_text(text)
+        for what in missing:
+            click.echo(f"{page.relative_to(ROOT)}: left as it is: {what}")
     sample(results).savefig(ROOT / "docs/sample.png", dpi=110)
     shutil.copy(results / "figures/speed_accuracy.png", ROOT / "docs")
+    worth = results / "figures/flights_worth.svg"
+    if worth.exists():
+        shutil.copy(worth, ROOT / "docs/_static")
 
 
 if __name__ == "__main__":

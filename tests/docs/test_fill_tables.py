@@ -1,9 +1,9 @@
-"""README's table of results is that of a run's tables, its pictures those of a run's files."""
+"""Tables of README and pages are those of a run's files."""
 
 import fill_tables
 import pandas as pd
 import pytest
-from refusals import refusal
+from claims import claims_of_trackers, verdict
 from result_tables import SETS, table2, table3_intervals
 
 
@@ -14,7 +14,7 @@ def results(tmp_path):
     table2([1, 2, 3], [2, 4, 6]).to_csv(folder / "table2.csv", index=False)
     planted = {("fuse", "rd_pd"): -0.25}
     table3_intervals(planted, 0.125).to_csv(folder / "table3_intervals.csv", index=False)
-    scores = {f"{name}_{metric}": 0.75 for name in SETS for metric in ("ods", "ois", "ap")}
+    scores = {f"{name}_{metric}": 0.75 for name in SETS for metric in ("ods", "ois", "ap", "f")}
     table3 = pd.DataFrame([{"output": "side_1"} | scores, {"output": "fuse"} | scores])
     table3.assign(rd_pd_ods=[0.25, 0.5]).to_csv(folder / "table3.csv", index=False)
     return tmp_path
@@ -22,16 +22,44 @@ def results(tmp_path):
 
 def test_means_and_differences_are_the_run_s_and_the_rest_of_the_page_is_kept(results):
     page = "before\n<!-- results -->\nold\n<!-- /results -->\nafter\n"
-    filled = fill_tables.filled(page, results)
+    filled, missing = fill_tables.filled(page, results)
+    assert missing == []
     assert filled.startswith("before\n<!-- results -->\n|  | RD |")
     assert filled.endswith("|\n<!-- /results -->\nafter\n")
     assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
     assert "| ODS | .750 | .750 [-0.125, +0.125] | .500 [-0.375, -0.125] |" in filled
-    assert fill_tables.filled(filled, results) == filled
+    assert fill_tables.filled(filled, results) == (filled, [])
 
 
-def test_readme_has_the_place_and_a_page_without_it_is_refused(results):
-    filled = fill_tables.filled(fill_tables.README.read_text(), results)
-    assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
-    with refusal("expected <!-- results -->"):
-        fill_tables.filled("<!-- results -->\nnever closed\n", results)
+def test_a_table_without_its_files_stays_and_is_named(results):
+    page = "<!-- flights -->\nold\n<!-- /flights -->\n<!-- table2 -->\n<!-- /table2 -->\n"
+    filled, (missing,) = fill_tables.filled(page, results)
+    assert filled.startswith("<!-- flights -->\nold\n")
+    assert "| SSIM | 1.00 / 2.00 / 3.00 | 2.00 / 4.00 / 6.00 |" in filled
+    assert missing.startswith("flights: ")
+    assert missing.endswith("worth.csv")
+
+
+def test_a_place_that_is_not_closed_or_of_no_table_is_refused(results):
+    for page in ("<!-- results -->\nnever closed\n", "<!-- other -->\n<!-- /other -->\n"):
+        with pytest.raises(ValueError, match="expected the name of a table"):
+            fill_tables.filled(page, results)
+
+
+def test_every_table_has_its_place_on_a_page():
+    pages = [fill_tables.README, *(fill_tables.ROOT / "docs").rglob("*.md")]
+    text = "".join(page.read_text() for page in pages)
+    for name in fill_tables.TABLES:
+        assert text.count(f"<!-- {name} -->\n") == text.count(f"<!-- /{name} -->\n") == 1, name
+
+
+def test_verdicts_follow_from_the_side_of_zero():
+    assert [verdict(*interval) for interval in ((0.1, 0.2), (-0.1, 0.2), (-0.2, -0.1))] == [
+        "confirmed",
+        "open",
+        "contradicted",
+    ]
+    rows = claims_of_trackers(table3_intervals({("fuse", "rd_pd"): -0.25}, 0.125))
+    outcomes = {claim: outcome for claim, outcome, _ in rows}
+    assert outcomes["RD+PD raises the fused ODS"] == "contradicted"
+    assert outcomes["RD+GD raises the fused ODS"] == "open"
