@@ -16,14 +16,18 @@ def jobs_of(workflow, name):
     return [job for job in workflow.dag.jobs if job.rule.name == name]
 
 
-def test_the_control_differs_from_rd_in_its_labels_alone(tmp_path):
+def test_controls_differ_from_rd_in_labels_or_in_the_flight_s_own_blocks_alone(tmp_path):
     plan = parsed(tmp_path, targets=["results/one_flight/scores.csv"])
-    (control,) = jobs_of(plan, "train_rd_full")
+    controls = {job.wildcards.control: job for job in jobs_of(plan, "train_control")}
     (rd,) = [job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"]
-    assert control.params.data == {**rd.params.data, "labels": "complete"}
-    for name in ("seed", "replica", "settings", "n_epochs"):
-        assert control.params[name] == rd.params[name]
-    assert list(control.input.real) == list(rd.input.real)
+    assert controls["rd_full"].params.data == {**rd.params.data, "labels": "complete"}
+    assert controls["rd_own"].params.data == rd.params.data
+    real = list(rd.input.real)
+    assert list(controls["rd_full"].input.real) == real
+    assert list(controls["rd_own"].input.real) == [*real, "results/one_flight/own.nc"]
+    for control in controls.values():
+        for name in ("seed", "replica", "settings", "n_epochs"):
+            assert control.params[name] == rd.params[name]
 
 
 def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_path):

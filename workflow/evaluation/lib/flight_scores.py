@@ -22,6 +22,8 @@ PAIRS = (
     ("rd_gd", "rd"),
     ("rd_pd_gd", "rd"),
     ("rd_full", "rd"),
+    ("rd_own", "rd"),
+    ("rd_pd", "rd_own"),
     ("rd_pd_gd", "rd_pd"),
     ("pd", "rd_full"),
     ("rd_pd", "rd_full"),

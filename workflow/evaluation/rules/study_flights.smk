@@ -8,51 +8,75 @@ from evaluation.lib import flights
 
 FLOWN = config["studies"]["flights"]
 FLIGHTS = flights.flights_of(FLOWN["first_seed"], FLOWN["n_flights"])
-SCORED_SETS = [*TRAINING_SETS, *ALONE, "rd_full"]
+# RD with every layer labelled, and with the sample flight's annotated blocks in place of synthetic scenes.
+CONTROLS = ["rd_full", "rd_own"]
+SCORED_SETS = [*TRAINING_SETS, *ALONE, *CONTROLS]
 
 
 wildcard_constraints:
     flight=r"\d+",
+    control="|".join(CONTROLS),
 
 
-# One flight: the main path and, beside it, trainings on RD with every layer labelled.
+# One flight: the main path and, beside it, trainings on the controls.
 
 
-use rule train_tracker as train_rd_full with:
+rule cut_flight:
     input:
-        real=benchmark_files("train"),
+        echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
+        layers=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
+    output:
+        scenes="results/one_flight/own.nc",
+    log:
+        "logs/cut_flight.log",
+    benchmark:
+        "results/benchmarks/cut_flight/all.tsv"
+    params:
+        source=SYNTHETIC,
+    message:
+        "annotated blocks of the sample flight as scenes"
+    script:
+        "../scripts/cut_flight.py"
+
+
+use rule train_tracker as train_control with:
+    input:
+        real=lambda w: (
+            benchmark_files("train") + (rules.cut_flight.output if w.control == "rd_own" else [])
+        ),
         phy=[],
         cgan=[],
     output:
-        network="results/tracker/rd_full/{replica}.safetensors",
-        losses="results/tracker/rd_full/{replica}_losses.csv",
+        network="results/tracker/{control}/{replica}.safetensors",
+        losses="results/tracker/{control}/{replica}_losses.csv",
     log:
-        "logs/train_rd_full/{replica}.log",
+        "logs/train_control/{control}/{replica}.log",
     benchmark:
-        "results/benchmarks/train_rd_full/{replica}.tsv"
+        "results/benchmarks/train_control/{control}/{replica}.tsv"
     params:
-        data=rules.train_tracker.params.data | {"labels": "complete"},
-        checkpoint=f"{CHECKPOINTS}/train_rd_full_{{replica}}.safetensors",
-        events=f"{EVENTS}/train_rd_full/{{replica}}",
+        data=lambda w: rules.train_tracker.params.data
+        | ({"labels": "complete"} if w.control == "rd_full" else {}),
+        checkpoint=f"{CHECKPOINTS}/train_control_{{control}}_{{replica}}.safetensors",
+        events=f"{EVENTS}/train_control/{{control}}/{{replica}}",
     message:
-        "tracker on RD with every layer labelled, replica {wildcards.replica}"
+        "tracker on {wildcards.control}, replica {wildcards.replica}"
 
 
-use rule score_tracker as score_rd_full with:
+use rule score_tracker as score_control with:
     input:
         scenes=benchmark_files("test"),
         validation=benchmark_files("validation"),
-        networks=expand(rules.train_rd_full.output.network, replica=SEEDS),
+        networks=expand("results/tracker/{{control}}/{replica}.safetensors", replica=SEEDS),
     output:
-        counts=expand("results/tracker/rd_full/{replica}_counts.parquet", replica=SEEDS),
-        picks=expand("results/tracker/rd_full/{replica}_picks.parquet", replica=SEEDS),
-        validation=validation_counts("results/tracker/rd_full/{replica}"),
+        counts=expand("results/tracker/{{control}}/{replica}_counts.parquet", replica=SEEDS),
+        picks=expand("results/tracker/{{control}}/{replica}_picks.parquet", replica=SEEDS),
+        validation=validation_counts("results/tracker/{{control}}/{replica}"),
     log:
-        "logs/score_rd_full.log",
+        "logs/score_control/{control}.log",
     benchmark:
-        "results/benchmarks/score_rd_full/all.tsv"
+        "results/benchmarks/score_control/{control}.tsv"
     message:
-        "edge scores of RD with every layer labelled"
+        "edge scores of {wildcards.control}"
 
 
 rule score_flight:
@@ -112,6 +136,7 @@ rule tabulate_flights:
     input:
         scores=expand(rules.fly.output.scores, flight=FLIGHTS),
     output:
+        **drawn("study_flights", "flights_worth.svg"),
         worth="results/studies/flights/worth.csv",
     log:
         "logs/tabulate_flights.log",
@@ -119,32 +144,15 @@ rule tabulate_flights:
         "results/benchmarks/tabulate_flights/all.tsv"
     params:
         flights=FLIGHTS,
-    message:
-        "worth of training sets over flights"
-    script:
-        "../scripts/tabulate_flights.py"
-
-
-rule plot_study_flights:
-    input:
-        worth="results/studies/flights/worth.csv",
-    output:
-        **drawn("study_flights", "flights_worth.svg"),
-    log:
-        "logs/plot_study_flights.log",
-    benchmark:
-        "results/benchmarks/plot_study_flights/all.tsv"
-    params:
         source=NOTE,
     message:
-        "figure of the study of flights"
+        "worth of training sets over flights: table and figure"
     script:
-        "../scripts/plot_study_flights.py"
+        "../scripts/tabulate_flights.py"
 
 
 rule study_flights:
     input:
         rules.tabulate_flights.output,
-        rules.plot_study_flights.output,
     message:
         "worth of synthetic scenes on flights of other climates and radars: hours"

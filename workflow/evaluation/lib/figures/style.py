@@ -52,6 +52,7 @@ NAMES = {
     "rd_pd": "RD+PD",
     "rd_pd_gd": "RD+PD+GD",
     "rd_full": "RD, full labels",
+    "rd_own": "RD + the flight's own blocks",
     "psnr": "PSNR [dB]",
     "rmse": "RMSE [grey levels]",
     "ssim": "SSIM",
