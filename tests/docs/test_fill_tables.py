@@ -4,6 +4,7 @@ import fill_tables
 import pandas as pd
 import pytest
 from claims import claims_of_trackers, verdict
+from refusals import refusal
 from result_tables import SETS, table2, table3_intervals
 
 
@@ -42,7 +43,7 @@ def test_a_table_without_its_files_stays_and_is_named(results):
 
 def test_a_place_that_is_not_closed_or_of_no_table_is_refused(results):
     for page in ("<!-- results -->\nnever closed\n", "<!-- other -->\n<!-- /other -->\n"):
-        with pytest.raises(ValueError, match="expected the name of a table"):
+        with refusal("expected the name of a table"):
             fill_tables.filled(page, results)
 
 
