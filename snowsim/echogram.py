@@ -20,6 +20,12 @@ DECIBELS = "Data looks like decibels: speckle of linear power is in proportion t
 LEAST_SLOPE = 0.2
 LEAST_SPAN_DB = 3.0
 LEAST_LINES = 32  # and rows, that tell it
+# Skewness over coefficient of variation is 2 for noise power of any number of looks, more for
+# mixtures, 1.5 where it is coherent in part; 1.2 for the amplitude of one look, 1 for that of many.
+AMPLITUDE = "Data looks like amplitude, by the skewness of its noise: linear power is its square"
+LEAST_OF_POWER = 1.5
+QUIET_ROWS = 48  # that are noise
+MOST_LINES = 2048
 DEGREES = {"Latitude": 90, "Longitude": 360}
 FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
@@ -361,7 +367,14 @@ def surface_away_bins(echogram, layers):
     return np.nanmedian(away) if np.isfinite(away).any() else np.nan
 
 
-def looks_like_decibels(echogram):
+def why_no_power(echogram):
+    """What Data looks like in place of linear power, in words, or None."""
+    if _looks_like_decibels(echogram):
+        return DECIBELS
+    return AMPLITUDE if _looks_like_amplitude(echogram) else None
+
+
+def _looks_like_decibels(echogram):
     """Whether Data has a span, or speckle along track, that no linear power has, as in `DECIBELS`.
 
     Told on 256 lines in the middle, level with the echogram's own surface.
@@ -386,6 +399,23 @@ def looks_like_decibels(echogram):
     logarithms = np.log([np.nanmedian(level, axis=1)[speckle > 0], speckle[speckle > 0]])
     (variance, covariance), _ = np.cov(logarithms)
     return covariance < LEAST_SLOPE * variance
+
+
+def _looks_like_amplitude(echogram):
+    """Whether the rows of least power are skewed as amplitude is, by twice its standard error."""
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power[:, :: 1 + power.shape[1] // MOST_LINES]
+    power = power[(power > 0).mean(axis=1) > 0.5]
+    if min(power.shape) < LEAST_LINES:
+        return False
+    power = np.where(power > 0, power, np.nan)
+    noise = power[np.argsort(np.nanmean(power, axis=1))[:QUIET_ROWS]].astype(float)
+    noise = noise[:, np.isfinite(noise).any(axis=0)]
+    noise /= np.nanmean(noise, axis=0)
+    noise = noise / np.nanmean(noise, axis=1)[:, None] - 1
+    deviation = np.nanstd(noise)
+    error = np.sqrt(6 / np.isfinite(noise).sum())
+    return np.nanmean(noise**3) < deviation**3 * (LEAST_OF_POWER * deviation - 2 * error)
 
 
 def along_track_m(echogram):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import DECIBELS, bin_size_s, looks_like_decibels
+from snowsim.echogram import bin_size_s, why_no_power
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_netcdf
 from snowsim.io.files import is_zarr, one_line, picture_format
@@ -69,8 +69,7 @@ def _echogram(what, echogram, stored):
     unknown = ~(echogram["Surface"].values > 0)
     notes = [words for name, words in TOLD_BY.items() if name in stored]
     notes.append(f"range bins of {bin_size_s(echogram):.4g} s")
-    if looks_like_decibels(echogram):
-        notes.append(DECIBELS)
+    notes += filter(None, [why_no_power(echogram)])
     if missing.any():
         notes.append(f"{missing.mean():.2%} of pixels hold no power (NaN or 0)")
     if unknown.any():

@@ -6,13 +6,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
-from snowsim.echogram import (
-    DECIBELS,
-    FAR_BINS,
-    check_choice,
-    looks_like_decibels,
-    surface_away_bins,
-)
+from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins, why_no_power
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded
@@ -25,7 +19,6 @@ from snowsim.statistics.summaries import (
     GROUP_LINES,
     in_stretches,
     known_mean,
-    looks_like_amplitude,
     merge,
     summarise,
 )
@@ -95,14 +88,11 @@ def fit(frames, *, estimator="deblended"):
     away_bins = []
     for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
         where = f"frame {number}"
-        if looks_like_decibels(echogram):
-            msg = f"{where}: {DECIBELS}"
+        reason = why_no_power(echogram)
+        if reason is not None:
+            msg = f"{where}: {reason}"
             raise ValueError(msg)
         summaries.append(summarise(echogram, layers, where=where))
-        if looks_like_amplitude(echogram, layers):
-            msg = f"{where}: Data: expected linear power, found amplitude, by the skewness of the "
-            msg += "noise above the surface: square it"
-            raise ValueError(msg)
         away_bins.append(surface_away_bins(echogram, layers))
     summary = merge(summaries)
     far_bins = [bins for bins in away_bins if bins > FAR_BINS]

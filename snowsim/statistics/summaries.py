@@ -15,7 +15,6 @@ from snowsim.echogram import (
     check_echogram,
     check_layers,
     layer_bins_of,
-    own_surface_bins,
     power_of,
 )
 from snowsim.limits import check_content, check_count
@@ -33,9 +32,6 @@ SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 CONTENT = "snowsim flight summary 6"
-LEAST_AIR_BINS = 32
-# Limit of skewness over coefficient of variation, between amplitude and power.
-LEAST_OF_POWER = 1.4
 
 
 def summarise(echogram, layers, where="frame"):
@@ -257,27 +253,3 @@ def known_mean(values, axis=None):
     n = known.sum(axis=axis)
     total = np.where(known, values, 0).sum(axis=axis)
     return np.where(n > 0, total / np.maximum(n, 1), np.nan)
-
-
-def looks_like_amplitude(echogram, layers):
-    """Whether noise above the surface is skewed as amplitude is, and enough of it is there to tell.
-
-    Skewness over coefficient of variation is 2 for power of any number of looks, more for means of
-    it with unequal weights and for mixtures; 1.2 for the amplitude of one look, 1 for that of many.
-    """
-    power = power_of(echogram)
-    # Layer 0 may be another layer.
-    surface_bins = np.fmin(layer_bins_of(layers, echogram)[0], own_surface_bins(echogram))
-    if not np.isfinite(surface_bins).any():
-        return False
-    air = power[: max(int(np.nanmin(surface_bins)) - AIR_MARGIN_BINS, 0)]
-    air = air[:, (air > 0).all(axis=0)].astype(float)
-    if len(air) < LEAST_AIR_BINS or air.size == 0:
-        return False
-    relative = air / air.mean(axis=0) - 1
-    deviation = relative.std()
-    skewness_error = np.sqrt(6 / relative.size)
-    if deviation < 6 * skewness_error:
-        return False
-    skewness = (relative**3).mean() / deviation**3
-    return skewness < LEAST_OF_POWER * deviation

@@ -12,15 +12,14 @@ import xarray as xr
 
 from snowsim.echogram import (
     DB_BELOW_NOISE_FLOOR,
-    DECIBELS,
     SURFACE_ROW,
     along_track_m,
     bin_size_s,
     check_echogram,
     levelled,
-    looks_like_decibels,
     to_db,
     to_grey,
+    why_no_power,
 )
 from snowsim.frames import resample_range
 from snowsim.limits import check_count, check_values
@@ -159,8 +158,8 @@ def canonical(echogram, card, where="echogram"):
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
-    if echogram.attrs.get("source_format") != "image" and looks_like_decibels(echogram):
-        notes.append(DECIBELS)
+    if echogram.attrs.get("source_format") != "image":
+        notes.extend(filter(None, [why_no_power(echogram)]))
     levels_db = (noise_floor_db, maximum_db, survey.largest_db)
     return Canonical(echogram, grid, *levels_db, notes, outside)
 

@@ -8,8 +8,9 @@ import xarray as xr
 from flights import frames_of
 from refusals import refusal
 
+from snowsim import Climate, simulate
+from snowsim.echogram import AMPLITUDE, why_no_power
 from snowsim.statistics import fit
-from snowsim.statistics.summaries import looks_like_amplitude
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +38,14 @@ def test_amplitude_is_told_from_power_at_any_number_of_looks(frames, looks):
     speckle = np.random.default_rng(1).standard_gamma(looks, echogram["Data"].shape) / looks
     mean = echogram["Data"].mean("slow_time")
     power = echogram.assign(Data=mean * xr.DataArray(speckle, echogram["Data"].coords))
-    assert not looks_like_amplitude(power, layers)
-    # Nor is it amplitude where layer 0 is not the surface, whose echo is then no air.
-    assert not looks_like_amplitude(power, layers.isel(layer=slice(1, None)))
+    assert why_no_power(power) is None
     amplitude = power.assign(Data=np.sqrt(power["Data"]))
-    with refusal("frame 0: Data: expected linear power, found amplitude"):
+    with refusal("frame 0: Data looks like amplitude"):
         fit([(amplitude, layers)])
+
+
+@pytest.mark.parametrize("radar", ["snow-2-8", "snow-2012", "ku-12-18"])
+def test_amplitude_is_told_where_little_air_is_above_the_surface(radar):
+    echogram, _ = simulate(Climate(accumulation_m=0.3), radar, n_range_lines=300, rng=2)
+    assert why_no_power(echogram) is None
+    assert why_no_power(echogram.assign(Data=np.sqrt(echogram["Data"]))) == AMPLITUDE
