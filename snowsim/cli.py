@@ -111,7 +111,7 @@ def scene_set(source):
 
     if source.is_dir() and not is_zarr(source):
         return PairSet(source)
-    kind = format_of(source, opened(source))
+    kind = format_of(opened(source))
     if kind in ECHOGRAMS:
         msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
         msg += "where there are none, snowsim track picks them"

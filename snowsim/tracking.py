@@ -17,8 +17,9 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import echogram, read_echogram
+from snowsim.io.containers import opened
 from snowsim.io.echograms import named_frame
-from snowsim.io.files import library_errors, picture_format, refusal
+from snowsim.io.files import content_of, library_errors, picture_format, refusal
 from snowsim.io.layers import (
     layer_numbers,
     refuse_existing,
@@ -51,6 +52,7 @@ PAUSE_LINES = 5
 # Decibels that an image's greys stand for where it does not tell: as many as make its darkest row
 # the noise floor, within limits.
 CONTRASTS_DB = (20.0, 100.0)
+PICTURE_ENDINGS = (".png", ".jpg", ".jpeg")
 EDGE_ROWS = 24  # above the layers of a picture, and below them
 
 
@@ -272,7 +274,7 @@ def _see(tracker, path, bin_s, seen):
     echogram = _read(path, bin_s)
     if echogram.attrs.get("source_format") == "image":
         evidence = tracker.see(echogram, str(path))
-        if picture_format(path) == "JPEG":
+        if echogram.attrs["picture"] == "JPEG":
             evidence.canonical.notes.append(BLURRED)
         if _dark_on_bright(echogram):
             note = "the picture is bright above and below: expected bright layers on a dark ground"
@@ -330,7 +332,7 @@ def _outputs(path, folder, png):
 def _check_outputs(path, folder, named, png, force):
     """Refuse files that are there, and frames of a segment beside layer files of others of it."""
     segment, _ = named_frame(path)
-    if segment is not None and picture_format(path) is None:
+    if segment is not None and path.suffix.lower() not in PICTURE_ENDINGS:
         refuse_other_frames(folder, segment, named[segment])
     for output in _outputs(path, folder, png):
         if output.exists() and folder.resolve() == path.resolve().parent:
@@ -342,17 +344,21 @@ def _check_outputs(path, folder, named, png, force):
 
 def _read(path, bin_s):
     """Echogram dataset of a file, or of an image with `bin_s`."""
-    if picture_format(path) is None:
-        return read_echogram(path)
+    with library_errors(path):
+        content = content_of(path)
+        form = picture_format(content)
+        if form is None:
+            return read_echogram(opened(path, content))
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
-    image, numbers = read_image(path)
+    image, numbers = read_image(path, content=content)
     floor_db = numbers.get("noise_floor_db", 0.0)
     darkest = image.mean(axis=1).min()
     contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
     power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
     power = (10 ** (power_db / 10)).astype(np.float32)
-    return echogram(power, twtt=bin_s * np.arange(len(power)), attrs={"source_format": "image"})
+    attributes = {"source_format": "image", "picture": form}
+    return echogram(power, twtt=bin_s * np.arange(len(power)), attrs=attributes)
 
 
 def _dark_on_bright(echogram):

@@ -76,11 +76,11 @@ def read_echogram(path, *, compensated=False, source=None):
     with library_errors(path):
         stored = containers.opened(path)
         kinds = [source] if source else containers.ECHOGRAMS
-        kind = containers.format_of(path, stored, kinds)
+        kind = containers.format_of(stored, kinds)
         if kind == "opr":
-            return echograms.read_opr(path, stored)
+            return echograms.read_opr(stored)
         read = echograms.read_nsidc if kind == "nsidc" else echograms.read_cresis
-        return read(path, stored, compensated=compensated)
+        return read(stored, compensated=compensated)
 
 
 def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
@@ -179,8 +179,8 @@ def read_layers(path, *, names=None, missing="refuse"):
     names = [names] if isinstance(names, str) else names
     with library_errors(path):
         stored = containers.opened(path)
-        kind = containers.format_of(path, stored, readers)
-        return layers.chosen(readers[kind](path, stored), names, missing, path)
+        kind = containers.format_of(stored, readers)
+        return layers.chosen(readers[kind](stored), names, missing, path)
 
 
 def open_segment(paths):

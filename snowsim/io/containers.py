@@ -17,7 +17,15 @@ import scipy.io
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
-from snowsim.io.files import MAXIMUM_BYTES, PICTURES, library_errors, listed, refusal, write_bytes
+from snowsim.io.files import (
+    MAXIMUM_BYTES,
+    PICTURES,
+    content_of,
+    library_errors,
+    listed,
+    refusal,
+    write_bytes,
+)
 
 SUPPLEMENT_FLAGS = (
     "coh_noise_removal_artifact",
@@ -83,26 +91,35 @@ COMPLEX = 0x800
 
 @dataclass(frozen=True)
 class Stored:
-    """What a file holds: names of its variables, and what reads them.
+    """What a file holds: names of its variables, and what reads them; `str` of it is its path.
 
     `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store; `read(names)`, of MAT files
     too, gives a dict of those of the names that are there.
     """
 
+    path: Path
     names: frozenset
     read: Callable
 
+    def __str__(self):
+        return str(self.path)
 
-def opened(path):
-    """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds; its bytes are read once."""
+
+def opened(path, content=None):
+    """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds, `Stored`.
+
+    Its bytes are read once, if its `content` is not given; a `Stored` comes back as it is.
+    """
+    if isinstance(path, Stored):
+        return path
     path = Path(path)
     with library_errors(path, f"content: expected {KINDS}"):
+        content = content_of(path) if content is None else content
         if path.is_dir():
-            return _labelled(path, engine="zarr", consolidated=False)
-        content = path.read_bytes()
+            return _labelled(path, path, engine="zarr", consolidated=False)
         if content.startswith(NETCDF3):
             # Not by netCDF4: of 400 damaged files 3 never ended there.
-            return _labelled(BytesIO(content), engine="scipy")
+            return _labelled(path, BytesIO(content), engine="scipy")
         if content.startswith(HDF5):
             check_heaps(content)
             file = netCDF4.Dataset(path.name, memory=content)
@@ -111,23 +128,23 @@ def opened(path):
             sizes = [math.prod(each.shape) * getattr(each.dtype, "itemsize", 8) for each in held]
             check_size("variables", sum(sizes))
             # The engine is named, or xarray looks for the packages of all.
-            return _labelled(xr.backends.NetCDF4DataStore(file), engine="store")
+            return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
         if content[USER_BLOCK_BYTES:].startswith(HDF5):
             check_heaps(content)
             file = h5py.File(BytesIO(content))
-            return Stored(frozenset(file), partial(_read_mat73, file))
+            return Stored(path, frozenset(file), partial(_read_mat73, file))
         order = BYTE_ORDERS.get(content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES])
         if order is None:
             head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
             found = next((what for start, what in OTHERS.items() if head.startswith(start)), None)
-            raise refusal(None, "content", KINDS, found or f"{len(content)} other bytes")
+            raise refusal(path, "content", KINDS, found or f"{len(content)} other bytes")
         check_elements(content, order, MAT_HEADER_BYTES, len(content))
         file = BytesIO(content)
         shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
-        return Stored(frozenset(shapes), partial(_read_mat5, file, shapes))
+        return Stored(path, frozenset(shapes), partial(_read_mat5, file, shapes))
 
 
-def format_of(path, stored, kinds=FORMATS):
+def format_of(stored, kinds=FORMATS):
     """Format of a file, a key of `FORMATS`, by the names of its variables.
 
     ValueError if it is none of these `kinds`, or lacks variables of the one that it is.
@@ -138,14 +155,14 @@ def format_of(path, stored, kinds=FORMATS):
     share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
-        raise refusal(path, "variables", "those of an echogram or of layers", listed(names))
+        raise refusal(stored, "variables", "those of an echogram or of layers", listed(names))
     if kind not in kinds:
         expected = " or ".join(in_words(kind) for kind in kinds)
-        raise refusal(path, "format", expected, in_words(kind))
+        raise refusal(stored, "format", expected, in_words(kind))
     needed = FORMATS[kind][1]
     missing = ", ".join(name for name in needed if name not in names)
     if missing and kind in (*ECHOGRAMS, *LAYERS):
-        raise refusal(path, missing, f"variables {', '.join(needed)}", listed(names))
+        raise refusal(stored, missing, f"variables {', '.join(needed)}", listed(names))
     return kind
 
 
@@ -227,11 +244,11 @@ def check_size(what, n_bytes):
         raise refusal(None, what, f"at most {MAXIMUM_BYTES} bytes", n_bytes)
 
 
-def _labelled(source, **how):
+def _labelled(path, source, **how):
     """What a NetCDF file or Zarr store holds."""
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     check_size("variables", dataset.nbytes)
-    return Stored(frozenset(dataset.variables), partial(_read_labelled, dataset))
+    return Stored(path, frozenset(dataset.variables), partial(_read_labelled, dataset))
 
 
 def _read_labelled(dataset, names=None):

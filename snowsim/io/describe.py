@@ -9,9 +9,9 @@ import xarray as xr
 from snowsim.echogram import bin_size_s, why_no_power
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_netcdf
-from snowsim.io.files import is_zarr, one_line, picture_format
+from snowsim.io.files import content_of, is_zarr, one_line, picture_format
 from snowsim.io.layers import surface_among
-from snowsim.io.pairs import BLURRED, PairSet, tells_db
+from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, read_image, tells_db
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
@@ -37,25 +37,30 @@ def describe(path):
         return _said(what, read_netcdf(exported[0]))
     if path.is_dir() and not is_zarr(path):
         return _scenes("a folder of benchmark pairs", PairSet(path))
-    if path.suffix == ".npy" or picture_format(path):
-        _, values = read_array(path)
-        image = xr.Dataset({"image": (("range_bin", "range_line"), values)})
-        levels = np.unique(values).astype(float)
-        notes = [f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"]
-        if picture_format(path) == "JPEG":
-            notes.append(BLURRED)
-        return _said("an image or array", image, notes)
-    stored = opened(path)
-    kind = format_of(path, stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
+    if path.suffix == ".npy":
+        return _image(read_array(path)[1])
+    content = content_of(path)
+    form = picture_format(content)
+    if form:
+        return _image(read_image(path, ANY_GREY, content)[0], [BLURRED] if form == "JPEG" else [])
+    stored = opened(path, content)
+    kind = format_of(stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
     what = in_words(kind)
     if kind in ECHOGRAMS:
-        return _echogram(what, read_echogram(path), stored.names)
+        return _echogram(what, read_echogram(stored), stored.names)
     if kind in LAYERS:
-        return _layers(what, read_layers(path))
+        return _layers(what, read_layers(stored))
     if kind == "scenes":
         with SceneSet(path) as scenes:
             return _scenes(what, scenes)
     return _said(what, stored.read())
+
+
+def _image(values, notes=()):
+    levels = np.unique(values).astype(float)
+    told = f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"
+    image = xr.Dataset({"image": (("range_bin", "range_line"), values)})
+    return _said("an image or array", image, [told, *notes])
 
 
 def _said(what, held, notes=()):

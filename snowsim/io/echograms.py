@@ -110,19 +110,19 @@ def power_of(data_db, where):
         return np.where(np.isneginf(data_db), np.nan, 10 ** (data_db / 10))
 
 
-def read_opr(path, stored):
+def read_opr(stored):
     """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked.
 
     Decibels, if the units of `Data` say so, become linear power.
     """
     dataset = decoded(stored)
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
-        power = power_of(dataset["Data"].values.astype(float), path)
+        power = power_of(dataset["Data"].values.astype(float), stored)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
     if "Surface" not in dataset:
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
         dataset["Surface"] = unknown.assign_attrs(units="s")
-    check_echogram(dataset, str(path))
+    check_echogram(dataset, str(stored))
     return dataset.transpose("twtt", "slow_time", ...)
 
 
@@ -225,7 +225,7 @@ ATTITUDE = ("Roll", "Pitch", "Heading")
 HALF_DAY = np.timedelta64(12, "h")
 
 
-def read_nsidc(path, stored, *, compensated=False):
+def read_nsidc(stored, *, compensated=False):
     """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
 
     `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
@@ -233,32 +233,32 @@ def read_nsidc(path, stored, *, compensated=False):
     `twtt`; degrees of attitude become radians. With a supplement beside it, bit i of `quality_mask`
     (slow_time) is flag i of its `flag_meanings`.
     """
-    stored = stored.read()
-    axes = (*stored["fasttime"].dims, *stored["time"].dims)
-    times = np.ravel(stored["time"]).astype("datetime64[ns]")
+    values = stored.read()
+    axes = (*values["fasttime"].dims, *values["time"].dims)
+    times = np.ravel(values["time"]).astype("datetime64[ns]")
     check_age(times.astype(float) * 1e-9)
     midnights = np.cumsum(np.append(False, np.diff(times) < -HALF_DAY))
     content = {
-        "Data": stored["amplitude"].transpose(*axes).values,
-        "twtt": in_seconds(stored["fasttime"], "us").values,
+        "Data": values["amplitude"].transpose(*axes).values,
+        "twtt": in_seconds(values["fasttime"], "us").values,
         "slow_time": times + 2 * HALF_DAY * midnights,
     }
     for ours in ALONG_TRACK:
         theirs = NSIDC_NAMES.get(ours, ours)
-        if theirs in stored:
-            values = np.ravel(stored[theirs]).astype(float)
-            content[ours] = np.radians(values) if ours in ATTITUDE else values
+        if theirs in values:
+            along = np.ravel(values[theirs]).astype(float)
+            content[ours] = np.radians(along) if ours in ATTITUDE else along
     attributes = {"source_format": "IRSNO1B NetCDF"}
-    for name in sorted(stored.variables):
+    for name in sorted(values.variables):
         parameter = name.rpartition(".")[2]
         if name.startswith("param") and parameter in PARAMETERS:
             # Characters, padded with NUL.
-            text = b"".join(np.ravel(stored[name]).astype(bytes)).decode("latin-1")
+            text = b"".join(np.ravel(values[name]).astype(bytes)).decode("latin-1")
             attributes.setdefault(parameter, " ".join(text.replace("\0", "").split())[:100])
-    echogram = echogram_dataset(path, content, attributes, decibels=True)
+    echogram = echogram_dataset(stored, content, attributes, decibels=True)
     if "Elevation_Correction" in echogram and not compensated:
         echogram = undo_compensation(echogram)
-    supplement = find_supplement(path)
+    supplement = find_supplement(stored.path)
     if supplement is not None:
         echogram["quality_mask"] = _quality_mask(supplement, times.size)
         echogram.attrs["supplement"] = supplement.name
@@ -307,7 +307,7 @@ PARAMETER_STRUCTS = (
 )
 
 
-def read_cresis(path, stored, *, compensated=False):
+def read_cresis(stored, *, compensated=False):
     """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
 
     `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax
@@ -320,7 +320,7 @@ def read_cresis(path, stored, *, compensated=False):
     kept = np.ravel(values.get("Truncate_Bins", np.arange(time.size) + 1)) - 1
     if not kept[0] >= 0 or (np.diff(kept) != 1).any():
         expected = "consecutive indices from 1 up"
-        raise refusal(path, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
+        raise refusal(stored, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
     # `Time` was truncated along with the data, or is as long as the padded traces were before.
     time_is_padded = kept.size < time.size
     content = {
@@ -331,7 +331,7 @@ def read_cresis(path, stored, *, compensated=False):
     content |= {name: values[name] for name in ALONG_TRACK if name in values}
     is_scaled = "minData" in values or "maxData" in values
     if is_scaled:
-        with library_errors(path, "Data: expected integers scaled by minData and maxData"):
+        with library_errors(stored, "Data: expected integers scaled by minData and maxData"):
             content["Data"] = _unscaled(content["Data"], values)
     attributes = {"source_format": "CReSIS L1B MAT"}
     for struct in PARAMETER_STRUCTS:
@@ -339,7 +339,7 @@ def read_cresis(path, stored, *, compensated=False):
         for name in PARAMETERS if isinstance(fields, dict) else ():
             if isinstance(fields.get(name), str) and fields[name]:
                 attributes.setdefault(name, " ".join(fields[name].split())[:100])
-    echogram = echogram_dataset(path, content, attributes, decibels=is_scaled)
+    echogram = echogram_dataset(stored, content, attributes, decibels=is_scaled)
     if "Elevation_Correction" not in echogram or compensated:
         return echogram
     padding = echogram["Elevation_Correction"].values.max() if time_is_padded else -np.inf

@@ -72,14 +72,14 @@ def is_zarr(path):
     return any((path / name).is_file() for name in ZARR_FILES)
 
 
-def picture_format(path):
-    """Which of `PICTURES` a file is by its content, None for any other path."""
-    path = Path(path)
-    if not path.is_file():
-        return None
-    with path.open("rb") as file:
-        head = file.read(8)
-    return next((name for name, start in PICTURES.items() if head.startswith(start)), None)
+def content_of(path):
+    """Bytes of a file, none of a folder, as of Zarr."""
+    return b"" if path.is_dir() else path.read_bytes()
+
+
+def picture_format(content):
+    """Which of `PICTURES` bytes are by their beginning, None for any other."""
+    return next((name for name, start in PICTURES.items() if content.startswith(start)), None)
 
 
 # pandas and xarray are imported where they are used: every job starts with this module, and they

@@ -37,7 +37,7 @@ RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev"
 POSITIONS = ("Latitude", "Longitude", "Elevation")
 
 
-def read_cresis_layers(path, stored):
+def read_cresis_layers(stored):
     """Layers of a new CReSIS layer file (`CSARP_layer`).
 
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
@@ -47,17 +47,17 @@ def read_cresis_layers(path, stored):
     values = {RENAMED.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         expected = "at least one layer with picks"
-        raise refusal(path, "twtt", expected, "no layer (MATLAB_empty)")
+        raise refusal(stored, "twtt", expected, "no layer (MATLAB_empty)")
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
     absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
     picks = {name: np.atleast_2d((absent | values)[name]) for name in PICKS}
-    named = _organized(path)
+    named = _organized(stored.path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
     return _layers_dataset(values, picks, names, "CReSIS layer")
 
 
-def read_cresis_layer_data(path, stored):
+def read_cresis_layer_data(stored):
     """Layers of an old CReSIS layer file (`CSARP_layerData`).
 
     Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
@@ -81,7 +81,7 @@ def read_cresis_layer_data(path, stored):
     return _layers_dataset(values, picks, names, "CReSIS layerData")
 
 
-def read_opr_layers(path, stored):
+def read_opr_layers(stored):
     """Layers dataset of Open Polar Radar as it stands on disk, (layer, slow_time).
 
     A single layer without a `layer` dimension gets one.

@@ -17,6 +17,7 @@ from PIL.PngImagePlugin import PngInfo
 from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
 from snowsim.io.containers import read_matlab
 from snowsim.io.files import (
+    content_of,
     library_errors,
     listed,
     picture_format,
@@ -36,26 +37,27 @@ ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
 MODES = {"8-bit grey": ("L",), ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA")}
 
 
-def read_image(path, expected="8-bit grey"):
+def read_image(path, expected="8-bit grey", content=None):
     """Image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
 
     `expected` is one of `MODES`. What is no whole PNG or JPEG image of such a mode and a bearable
-    size is refused.
+    size is refused. The file is not read where its `content` is given.
     """
-    form = picture_format(path) or "PNG"
     most = f"a whole grey image of at most {MAXIMUM_PIXELS} pixels"
-    with library_errors(path, f"{form}: expected {most}"), warnings.catch_warnings():
+    with library_errors(path, f"PNG or JPEG image: expected {most}"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
-        Image.open(path, formats=[form]).verify()  # checksums: reading does not look at them
-        with Image.open(path, formats=[form]) as file:
+        content = content_of(path) if content is None else content
+        how = {"fp": io.BytesIO(content), "formats": [picture_format(content) or "PNG"]}
+        Image.open(**how).verify()  # checksums: reading does not look at them
+        with Image.open(**how) as file:
             columns, rows = file.size
             if columns * rows > MAXIMUM_PIXELS:
-                raise refusal(path, form, most, f"{rows} rows of {columns}")
+                raise refusal(path, "image", most, f"{rows} rows of {columns}")
             values = np.array(file)
             texts = getattr(file, "text", {})  # of PNG alone
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
-                raise refusal(path, form, expected, f"mode {file.mode}")
+                raise refusal(path, "image", expected, f"mode {file.mode}")
         held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
         numbers = {name: kind(texts[name]) for name, kind in held.items()}
     return colours[..., 0], numbers
@@ -183,7 +185,8 @@ def read_pair(path, *, data_scale=None):
     """
     path = Path(path)
     with library_errors(path):
-        image, numbers = read_image(path) if picture_format(path) else _mat_image(path, data_scale)
+        is_mat = path.suffix == ".mat"
+        image, numbers = _mat_image(path, data_scale) if is_mat else read_image(path)
         label, drawn = pair_labels(path)
     if drawn.shape != image.shape:
         raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)

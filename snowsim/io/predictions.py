@@ -9,8 +9,8 @@ import numpy as np
 from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
-from snowsim.io.containers import opened, read_netcdf
-from snowsim.io.files import library_errors, listed, picture_format, refusal
+from snowsim.io.containers import opened
+from snowsim.io.files import content_of, library_errors, listed, picture_format, refusal
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
@@ -116,10 +116,10 @@ def read_picks(path, bin_s=None):
 
     Travel times become range bins of `bin_s` [s]; rows are taken where a tracked image has them.
     """
-    is_layers = path.suffix == ".mat" or (path.suffix == ".nc" and "twtt" in opened(path).names)
-    if not is_layers:
-        return Picks(read_labels(path)[1])
-    layers = read_layers(path)
+    stored = opened(path) if path.suffix in (".mat", ".nc") else None
+    if stored is None or (path.suffix == ".nc" and "twtt" not in stored.names):
+        return Picks(read_labels(path, stored=stored)[1])
+    layers = read_layers(stored)
     if "row" in layers:
         return Picks(layers["row"].values)
     if bin_s is None:
@@ -127,7 +127,7 @@ def read_picks(path, bin_s=None):
     return Picks(layers["twtt"].values / bin_s, layers["slow_time"].values)
 
 
-def read_labels(path, shape=None, image=None):
+def read_labels(path, shape=None, image=None, stored=None):
     """Mask (or None) and layers of a file.
 
     The mask is bool (range_bin, range_line), layers are (layer, range_line) in range bins. An image
@@ -135,13 +135,13 @@ def read_labels(path, shape=None, image=None):
     read where both are there. An array that has 0 and 1 (or 255) alone is a mask, one of whole
     numbers with 0 twice in a range line holds layer numbers, any other holds range bins, as
     `layer_bins` of a NetCDF file does; it has a mask where `shape` is given, which is that of the
-    `image` that must fit the labels.
+    `image` that must fit the labels. `stored` is the file, if it is open.
     """
     if path.suffix == ".png" and path.stem.startswith("layer_"):
         name = path.stem.removeprefix("layer_").removeprefix("binary_")
         _, drawn = pair_labels(path.with_stem(f"data_{name}"))
     else:
-        name, values = read_array(path, LABELS, least_rows=0)
+        name, values = read_array(path, LABELS, least_rows=0, stored=stored)
         drawn = None if name == "layer_bins" else _drawn(values, path.suffix == ".png")
         if drawn is None and (name == "mask" or values.shape == shape):
             expected = "0 and 1, or layers (layer, range_line) in range bins"
@@ -170,7 +170,7 @@ def _drawn(values, is_image):
     return values.astype(int) if is_image or is_numbers else None
 
 
-def read_array(path, names=(), least_rows=1):
+def read_array(path, names=(), least_rows=1, stored=None):
     """Name (of a variable) and values of the array in a .png, .npy or NetCDF file.
 
     A NetCDF file has the first of the variables `names`, or one image alone; axes that have names
@@ -178,14 +178,16 @@ def read_array(path, names=(), least_rows=1):
     left out.
     """
     name = ""
-    if path.suffix == ".png" or picture_format(path):
-        values, _ = read_image(path, ANY_GREY)
+    content = b"" if stored or path.suffix == ".npy" else content_of(path)
+    if path.suffix == ".png" or picture_format(content):
+        values, _ = read_image(path, ANY_GREY, content)
     elif path.suffix == ".npy":
         with library_errors(path, "NPY: expected a whole array of numbers"):
             # Mapped: a header that declares more than the file has is refused before room is made.
             values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
     else:
-        stored = read_netcdf(path)
+        with library_errors(path):
+            stored = opened(stored or path, content).read()
         images = [name for name, variable in stored.variables.items() if variable.ndim == 2]
         name, *others = [name for name in names if name in stored] or images or [""]
         if name not in stored or (name not in names and others):

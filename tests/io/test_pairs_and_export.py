@@ -188,7 +188,7 @@ def test_decompression_bombs_are_refused_by_their_size(path, size):
     for chunk in (b"IHDR" + header, b"IDAT" + zlib.compress(bytes(10**6)), b"IEND"):
         content += struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
     path.write_bytes(content)
-    refused(read_image, path, "PNG: expected a whole grey image of at most 67108864 pixels")
+    refused(read_image, path, "image: expected a whole grey image of at most 67108864 pixels")
 
 
 @pytest.mark.parametrize("name", ["../x", "a b", "data_x", "binary_x", "", "20120330_04_002"])
@@ -231,4 +231,4 @@ def test_a_jpeg_image_is_read_as_a_png_one_and_noted(path, rng, mode):
     notes = describe(path)["notes"]
     assert "a JPEG image: its blocks of 8 pixels blur layers and speckle" in notes
     path.write_bytes(path.read_bytes()[:3000])
-    refused(read_image, path, "JPEG: expected a whole grey image")
+    refused(read_image, path, "image: expected a whole grey image")
