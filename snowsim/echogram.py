@@ -402,7 +402,10 @@ def _looks_like_decibels(echogram):
 
 
 def _looks_like_amplitude(echogram):
-    """Whether the rows of least power are skewed as amplitude is, by twice its standard error."""
+    """Whether the rows of least power are skewed as amplitude is, by twice its standard error.
+
+    Not told where they hold hardly any noise, or what changes from line to line by less than noise.
+    """
     power = echogram["Data"].transpose("twtt", "slow_time").values
     power = power[:, :: 1 + power.shape[1] // MOST_LINES]
     power = power[(power > 0).mean(axis=1) > 0.5]
@@ -415,6 +418,9 @@ def _looks_like_amplitude(echogram):
     noise = noise / np.nanmean(noise, axis=1)[:, None] - 1
     deviation = np.nanstd(noise)
     error = np.sqrt(6 / np.isfinite(noise).sum())
+    change = np.nanstd(np.diff(noise, axis=1))
+    if deviation < 4 * error or change < deviation:
+        return False
     return np.nanmean(noise**3) < deviation**3 * (LEAST_OF_POWER * deviation - 2 * error)
 
 
