@@ -406,7 +406,7 @@ def _looks_like_amplitude(echogram):
 
     Not told where they hold hardly any noise, or what changes from line to line by less than noise.
     """
-    power = echogram["Data"].transpose("twtt", "slow_time").values
+    power = power_of(echogram)
     power = power[:, :: 1 + power.shape[1] // MOST_LINES]
     power = power[(power > 0).mean(axis=1) > 0.5]
     if min(power.shape) < LEAST_LINES:

@@ -73,8 +73,8 @@ def read_echogram(path, *, compensated=False, source=None):
     """
     from snowsim.io import containers, echograms
 
-    with library_errors(path):
-        stored = containers.opened(path)
+    stored = containers.opened(path)
+    with library_errors(stored.path):
         kinds = [source] if source else containers.ECHOGRAMS
         kind = containers.format_of(stored, kinds)
         if kind == "opr":
@@ -177,10 +177,10 @@ def read_layers(path, *, names=None, missing="refuse"):
         "opr_layers": layers.read_opr_layers,
     }
     names = [names] if isinstance(names, str) else names
-    with library_errors(path):
-        stored = containers.opened(path)
+    stored = containers.opened(path)
+    with library_errors(stored.path):
         kind = containers.format_of(stored, readers)
-        return layers.chosen(readers[kind](stored), names, missing, path)
+        return layers.chosen(readers[kind](stored), names, missing, stored.path)
 
 
 def open_segment(paths):

@@ -20,7 +20,6 @@ from numpy.exceptions import ComplexWarning
 from snowsim.io.files import (
     MAXIMUM_BYTES,
     PICTURES,
-    content_of,
     library_errors,
     listed,
     refusal,
@@ -63,6 +62,7 @@ USER_BLOCK_BYTES = 512  # of MATLAB, in front of HDF5
 MAT_HEADER_BYTES = 128
 TEXT_BYTES = 116  # it begins with; the date that scipy writes there would make bytes differ
 BYTE_ORDERS = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}
+MOST = f"at most {MAXIMUM_BYTES} bytes"
 KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
 # What comes in place of data, by how it begins in lower case.
 OTHERS = {
@@ -91,7 +91,7 @@ COMPLEX = 0x800
 
 @dataclass(frozen=True)
 class Stored:
-    """What a file holds: names of its variables, and what reads them; `str` of it is its path.
+    """What a file holds: names of its variables, and what reads them.
 
     `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store; `read(names)`, of MAT files
     too, gives a dict of those of the names that are there.
@@ -100,9 +100,6 @@ class Stored:
     path: Path
     names: frozenset
     read: Callable
-
-    def __str__(self):
-        return str(self.path)
 
 
 def opened(path, content=None):
@@ -114,9 +111,9 @@ def opened(path, content=None):
         return path
     path = Path(path)
     with library_errors(path, f"content: expected {KINDS}"):
-        content = content_of(path) if content is None else content
         if path.is_dir():
             return _labelled(path, path, engine="zarr", consolidated=False)
+        content = path.read_bytes() if content is None else content
         if content.startswith(NETCDF3):
             # Not by netCDF4: of 400 damaged files 3 never ended there.
             return _labelled(path, BytesIO(content), engine="scipy")
@@ -126,7 +123,8 @@ def opened(path, content=None):
             # As it is declared: xarray reads coordinates when it opens a file.
             held = file.variables.values()
             sizes = [math.prod(each.shape) * getattr(each.dtype, "itemsize", 8) for each in held]
-            check_size("variables", sum(sizes))
+            if sum(sizes) > MAXIMUM_BYTES:
+                raise refusal(path, "variables", MOST, sum(sizes))
             # The engine is named, or xarray looks for the packages of all.
             return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
         if content[USER_BLOCK_BYTES:].startswith(HDF5):
@@ -155,14 +153,14 @@ def format_of(stored, kinds=FORMATS):
     share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
-        raise refusal(stored, "variables", "those of an echogram or of layers", listed(names))
+        raise refusal(stored.path, "variables", "those of an echogram or of layers", listed(names))
     if kind not in kinds:
         expected = " or ".join(in_words(kind) for kind in kinds)
-        raise refusal(stored, "format", expected, in_words(kind))
+        raise refusal(stored.path, "format", expected, in_words(kind))
     needed = FORMATS[kind][1]
     missing = ", ".join(name for name in needed if name not in names)
     if missing and kind in (*ECHOGRAMS, *LAYERS):
-        raise refusal(stored, missing, f"variables {', '.join(needed)}", listed(names))
+        raise refusal(stored.path, missing, f"variables {', '.join(needed)}", listed(names))
     return kind
 
 
@@ -238,39 +236,26 @@ def check_elements(content, order, start, end):
     return kinds
 
 
-def check_size(what, n_bytes):
-    """Refuse what would not fit into memory."""
-    if n_bytes > MAXIMUM_BYTES:
-        raise refusal(None, what, f"at most {MAXIMUM_BYTES} bytes", n_bytes)
-
-
 def _labelled(path, source, **how):
-    """What a NetCDF file or Zarr store holds."""
-    dataset = xr.open_dataset(source, decode_cf=False, **how)
-    check_size("variables", dataset.nbytes)
-    return Stored(path, frozenset(dataset.variables), partial(_read_labelled, dataset))
-
-
-def _read_labelled(dataset, names=None):
-    """Dataset in memory, with what attributes of CF tell applied: scale, fill values, times.
-
-    Of `names`, their values alone, as of a MAT file.
+    """What a NetCDF file or Zarr store holds, what attributes of CF tell applied when it is read.
 
     A fill value that no attribute tells hides nothing, and durations stay numbers: rounded to
     nanoseconds they would lose their range bins.
     """
+    dataset = xr.open_dataset(source, decode_cf=False, **how)
+    if dataset.nbytes > MAXIMUM_BYTES:
+        raise refusal(path, "variables", MOST, dataset.nbytes)
     times = xr.coders.CFDatetimeCoder(use_cftime=False)
     try:
-        dataset = xr.decode_cf(dataset, decode_times=times, decode_timedelta=False).load()
+        decoded = xr.decode_cf(dataset, decode_times=times, decode_timedelta=False)
     except (ValueError, OverflowError) as error:
         for name, variable in dataset.variables.items():
             units = str(variable.attrs.get("units", ""))
             if " since " in units and units in str(error):
-                raise refusal(None, name, "units of time that CF allows", repr(units)) from error
+                raise refusal(path, name, "units of time that CF allows", repr(units)) from error
         raise
-    if names is None:
-        return dataset
-    return {name: dataset[name].values for name in names if name in dataset}
+    # All of it, whatever names are asked for: it is a mapping, too.
+    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
 
 
 def _read_mat5(file, shapes, names):
@@ -280,7 +265,9 @@ def _read_mat5(file, shapes, names):
     """
     names = [name for name in names if name in shapes]
     for name in names:
-        check_size(name, NUMBER_BYTES * math.prod(shapes[name]))
+        n_bytes = NUMBER_BYTES * math.prod(shapes[name])
+        if n_bytes > MAXIMUM_BYTES:
+            raise refusal(None, name, MOST, n_bytes)
     with warnings.catch_warnings():
         # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
         warnings.simplefilter("error", ComplexWarning)
@@ -302,7 +289,8 @@ def _plain(node, read):
     A file may refer to the same value any number of times.
     """
     read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
-    check_size(node.name, read[0])
+    if read[0] > MAXIMUM_BYTES:
+        raise refusal(None, node.name, MOST, read[0])
     if isinstance(node, h5py.Group):
         return {name: _plain(field, read) for name, field in node.items()}
     is_text = node.attrs.get("MATLAB_class") == b"char"

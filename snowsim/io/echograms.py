@@ -117,12 +117,12 @@ def read_opr(stored):
     """
     dataset = decoded(stored)
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
-        power = power_of(dataset["Data"].values.astype(float), stored)
+        power = power_of(dataset["Data"].values.astype(float), stored.path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
     if "Surface" not in dataset:
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
         dataset["Surface"] = unknown.assign_attrs(units="s")
-    check_echogram(dataset, str(stored))
+    check_echogram(dataset, str(stored.path))
     return dataset.transpose("twtt", "slow_time", ...)
 
 
@@ -255,7 +255,7 @@ def read_nsidc(stored, *, compensated=False):
             # Characters, padded with NUL.
             text = b"".join(np.ravel(values[name]).astype(bytes)).decode("latin-1")
             attributes.setdefault(parameter, " ".join(text.replace("\0", "").split())[:100])
-    echogram = echogram_dataset(stored, content, attributes, decibels=True)
+    echogram = echogram_dataset(stored.path, content, attributes, decibels=True)
     if "Elevation_Correction" in echogram and not compensated:
         echogram = undo_compensation(echogram)
     supplement = find_supplement(stored.path)
@@ -320,7 +320,7 @@ def read_cresis(stored, *, compensated=False):
     kept = np.ravel(values.get("Truncate_Bins", np.arange(time.size) + 1)) - 1
     if not kept[0] >= 0 or (np.diff(kept) != 1).any():
         expected = "consecutive indices from 1 up"
-        raise refusal(stored, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
+        raise refusal(stored.path, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
     # `Time` was truncated along with the data, or is as long as the padded traces were before.
     time_is_padded = kept.size < time.size
     content = {
@@ -331,7 +331,7 @@ def read_cresis(stored, *, compensated=False):
     content |= {name: values[name] for name in ALONG_TRACK if name in values}
     is_scaled = "minData" in values or "maxData" in values
     if is_scaled:
-        with library_errors(stored, "Data: expected integers scaled by minData and maxData"):
+        with library_errors(stored.path, "Data: expected integers scaled by minData and maxData"):
             content["Data"] = _unscaled(content["Data"], values)
     attributes = {"source_format": "CReSIS L1B MAT"}
     for struct in PARAMETER_STRUCTS:
@@ -339,7 +339,7 @@ def read_cresis(stored, *, compensated=False):
         for name in PARAMETERS if isinstance(fields, dict) else ():
             if isinstance(fields.get(name), str) and fields[name]:
                 attributes.setdefault(name, " ".join(fields[name].split())[:100])
-    echogram = echogram_dataset(stored, content, attributes, decibels=is_scaled)
+    echogram = echogram_dataset(stored.path, content, attributes, decibels=is_scaled)
     if "Elevation_Correction" not in echogram or compensated:
         return echogram
     padding = echogram["Elevation_Correction"].values.max() if time_is_padded else -np.inf

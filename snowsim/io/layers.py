@@ -47,7 +47,7 @@ def read_cresis_layers(stored):
     values = {RENAMED.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         expected = "at least one layer with picks"
-        raise refusal(stored, "twtt", expected, "no layer (MATLAB_empty)")
+        raise refusal(stored.path, "twtt", expected, "no layer (MATLAB_empty)")
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
     absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
