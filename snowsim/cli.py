@@ -18,6 +18,7 @@ from snowsim.constants import OUTPUTS
 
 EXISTING = click.Path(exists=True, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
+FILE = click.Path(dir_okay=False, path_type=Path)
 COUNT = click.IntRange(1)
 NOT_NEGATIVE = click.FloatRange(0)
 POSITIVE = click.FloatRange(0, min_open=True)
@@ -301,7 +302,7 @@ def echo_scores(table):
     "-o",
     "model",
     required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     help="The network, NAME.onnx; its card is NAME.json.",
 )
 @click.option("--from", "start", help="universal, or an .onnx file of this command; else anew.")
@@ -342,7 +343,7 @@ def train(sources, model, n_steps, force, **settings):
 @commands.command(
     short_help="Echogram and layers over annual snow or a profile.", context_settings=SHOWN
 )
-@click.argument("echogram", type=click.Path(dir_okay=False, path_type=Path))
+@click.argument("echogram", type=FILE)
 @click.option(
     "--radar", type=click.Choice(PRESETS), default="snow-2-8", help="Radar of the package."
 )
@@ -538,7 +539,7 @@ def track(files, folder, **options):
     "--output",
     "path",
     required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     help="NAME.csv, NAME.nc or, with snowsim[gis], NAME.gpkg; NAME_years.csv is written beside it.",
 )
 @click.option(

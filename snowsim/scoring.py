@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from snowsim.echogram import layer_mask
+from snowsim.echogram import check_choice, layer_mask
 from snowsim.io.files import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
 from snowsim.limits import check_count, check_values
@@ -180,9 +180,7 @@ def score_folders(
 
 def _check_settings(thresholds, numbers):
     """ValueError if settings of `score_folders` are out of range."""
-    if thresholds not in ("quantiles", "published"):
-        msg = f'thresholds must be "quantiles" or "published", got {thresholds!r}'
-        raise ValueError(msg)
+    check_choice("thresholds", thresholds, ("quantiles", "published"))
     for name, value in numbers.items():
         if name in WHOLE:
             check_count(name, value, WHOLE[name])
@@ -242,8 +240,8 @@ class _Image:
 
     probability: np.ndarray
     mask: np.ndarray
+    thickness: float  # of the mask as it was drawn [pixels]
     layer_bins: np.ndarray
-    thickness: float = 1.0  # thickness of the mask as it was drawn [pixels]
 
 
 def _read_image(prediction, truth):
@@ -251,24 +249,21 @@ def _read_image(prediction, truth):
 
     Without a prediction the map is empty, and as high as the layers reach where truth is no image.
     """
-    if prediction is None:
-        mask, layer_bins = read_labels(truth)
-        if mask is None:
-            n_range_bins = int(np.nanmax(layer_bins, initial=0)) + 2
-            mask = layer_mask(layer_bins, n_range_bins)
-        mask, thickness = _thinned(mask, layer_bins)
-        return _Image(np.zeros(mask.shape), mask, layer_bins, thickness)
-    probability = read_map(prediction)
-    mask, layer_bins = read_labels(truth, probability.shape, prediction)
-    if mask.any() and not mask.all() and np.median(probability) > 0.5:
+    probability = None if prediction is None else read_map(prediction)
+    shape = None if prediction is None else probability.shape
+    mask, layer_bins = read_labels(truth, shape, prediction)
+    if mask is None:
+        mask = layer_mask(layer_bins, int(np.nanmax(layer_bins, initial=0)) + 2)
+    if probability is None:
+        probability = np.zeros(mask.shape)
+    elif mask.any() and not mask.all() and np.median(probability) > 0.5:
         on = probability[mask].mean()
         off = probability[~mask].mean()
         if on < off:
             found = f"a mean of {on:.2g} on them and {off:.2g} off"
             msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
             raise ValueError(msg)
-    mask, thickness = _thinned(mask, layer_bins)
-    return _Image(probability, mask, layer_bins, thickness)
+    return _Image(probability, *_thinned(mask, layer_bins), layer_bins)
 
 
 def _thinned(mask, layer_bins):

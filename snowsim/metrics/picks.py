@@ -124,20 +124,19 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
             "n_thickness": thickness.size,
             "thickness_error": thickness.sum(),
             "thickness_absolute_error": np.abs(thickness).sum(),
-            "n_picks": 0,
             "n_layers": 1,
             "n_missed_layers": int(2 * error.size < n_true),
-            "n_false_layers": 0,
         }
-        rows.append(row)
+        rows.append(dict.fromkeys(SUMS, 0) | row)
     n_picks = np.isfinite(picks).sum(axis=1)
     for pick in np.flatnonzero(2 * used.sum(axis=1) < n_picks):
-        row = dict.fromkeys(SUMS, 0)
-        row["layer"] = -1
-        row["depth_bins"] = np.nanmean(picks[pick]) - surface_bin
-        row["n_picks"] = int(n_picks[pick])
-        row["n_false_layers"] = 1
-        rows.append(row)
+        row = {
+            "layer": -1,
+            "depth_bins": np.nanmean(picks[pick]) - surface_bin,
+            "n_picks": int(n_picks[pick]),
+            "n_false_layers": 1,
+        }
+        rows.append(dict.fromkeys(SUMS, 0) | row)
     return pd.DataFrame(rows, columns=["layer", "depth_bins", *SUMS])
 
 
