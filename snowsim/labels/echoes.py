@@ -5,32 +5,31 @@ decay and background.
 """
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from snowsim.constants import NEPERS
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Echoes, Kind, check_choice
 from snowsim.labels.undulations import draw_stationary, lags_on_circle
 from snowsim.limits import check_statistics, check_values
 
-SPREADS = (
-    "noise_spread_db",
-    "surface_to_noise_spread_db",
-    "common_spread_db",
-    "layer_spread_db",
-    "decay_spread",
-    "background_spread_db",
-    "further_spacing_bins",
-    "further_rise_db",
-)
 FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
+# Statistics that the echoes of scenes vary by, with their dimensions.
+VARIES = dict.fromkeys(FADING, ("interface",)) | {
+    "noise_spread_db": (),
+    "surface_to_noise_spread_db": (),
+    "common_spread_db": (),
+    "layer_spread_db": (),
+    "decay_spread": (),
+    "background_spread_db": (),
+    "further_spacing_bins": (),
+    "further_rise_db": (),
+}
 
 
-def values_of(statistics, name, dims):
-    """A variable or coordinate of the statistics on `dims`, float; ValueError if not finite."""
+def values_of(statistics, name, dims=()):
+    """Values of the statistics on `dims`, a float where there is none; ValueError if not finite."""
     values = np.empty(0)
     if name in statistics:
         values = statistics[name].transpose(*dims).values.astype(float)
@@ -38,7 +37,7 @@ def values_of(statistics, name, dims):
         held = ", ".join(map(str, statistics.variables))
         msg = f"flight statistics need {name}, all finite, got shape {values.shape}; hold {held}"
         raise ValueError(msg)
-    return values
+    return values if dims else values.item()
 
 
 def of_uppermost(statistics, name, n_layers):
@@ -91,7 +90,7 @@ def dress(layer_bins, statistics):
     """
     check_statistics(statistics)
     n_layers, n_lines = layer_bins.shape
-    noise_power = values_of(statistics, "noise_power", ()).item()
+    noise_power = values_of(statistics, "noise_power")
     check_values("flight statistics: noise_power", noise_power, 0, above=True)
     power = of_uppermost(statistics, "peak_power", n_layers)
     layers = Echoes(
@@ -156,34 +155,8 @@ def redress(scene, statistics):
     )
 
 
-@dataclass(frozen=True, eq=False)
-class PowerModel:
-    """What `add_echoes` draws from, of `snowsim.statistics`; see there for the names."""
-
-    statistics: xr.Dataset
-    spread: dict  # by name, see `SPREADS`
-    fading: np.ndarray  # (surface or buried; spread [dB], length [lines], exponent)
-    line_gain_spread_db: float
-
-
-def power_model(statistics):
-    """`PowerModel` of flight statistics, ValueError that names what they lack."""
-    dress(np.zeros((1, 1)), statistics)  # refuses what every scene would
-    line_gain_spread_db = 0.0
-    # Statistics of images hold none.
-    if "line_gain_spread_db" in statistics:
-        line_gain_spread_db = values_of(statistics, "line_gain_spread_db", ()).item()
-    fading = [values_of(statistics, name, ("interface",)) for name in FADING]
-    return PowerModel(
-        statistics=statistics,
-        spread={name: values_of(statistics, name, ()).item() for name in SPREADS},
-        fading=np.transpose(fading),
-        line_gain_spread_db=line_gain_spread_db,
-    )
-
-
-def add_echoes(scene, model, *, rng):
-    """The scene with its `echoes`.
+def add_echoes(scene, statistics, spread, *, rng):
+    """The scene with its `echoes`, which vary by the statistics in `spread`, see `VARIES`.
 
     Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried
     layers together; each layer; and its fading along track, a Gaussian process of autocorrelation
@@ -191,13 +164,12 @@ def add_echoes(scene, model, *, rng):
     surface for each of its e-folding depths, and echoes at random distances below the last layer,
     which rise out of it as in the flight.
     """
-    spread = model.spread
-    flight = dress(scene.layer_bins, model.statistics)
+    flight = dress(scene.layer_bins, statistics)
     is_layer = flight.kind == Kind.LAYER
     noise_db = spread["noise_spread_db"]
     background_db = spread["background_spread_db"]
     factor = np.empty(flight.power.shape)
-    factor[is_layer] = _layer_factors(scene.layer_bins.shape, model, rng=rng)
+    factor[is_layer] = _layer_factors(scene.layer_bins.shape, spread, rng=rng)
     noise_factor = _about_mean(noise_db * rng.standard_normal(), noise_db**2)
     decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
     factor[~is_layer] = _about_mean(background_db * rng.standard_normal(), background_db**2)
@@ -206,15 +178,14 @@ def add_echoes(scene, model, *, rng):
         power=flight.power * factor,
         decay_rate=flight.decay_rate * np.where(is_layer, decay_factor, 1.0),
         noise_power=float(flight.noise_power * noise_factor),
-        line_gain_spread_db=model.line_gain_spread_db,
+        line_gain_spread_db=spread.get("line_gain_spread_db", 0.0),
         decay_factor=decay_factor,
     )
-    return dataclasses.replace(scene, echoes=_with_further(echoes, model, rng=rng))
+    return dataclasses.replace(scene, echoes=_with_further(echoes, spread, rng=rng))
 
 
-def _layer_factors(shape, model, *, rng):
+def _layer_factors(shape, spread, *, rng):
     """Powers of layers over the flight's, (layer, range_line)."""
-    spread = model.spread
     n_layers, n_lines = shape
     interface = np.minimum(np.arange(n_layers), 1)
     surface_variance = spread["surface_to_noise_spread_db"] ** 2 - spread["noise_spread_db"] ** 2
@@ -224,19 +195,19 @@ def _layer_factors(shape, model, *, rng):
     block_db[0] = surface_db * rng.standard_normal()
     variance = spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
     variance = np.where(interface[:, None] > 0, variance, surface_db**2)
-    faded_db, fading_variance = _draw_fading(model, interface, n_lines, rng=rng)
+    faded_db, fading_variance = _draw_fading(spread, interface, n_lines, rng=rng)
     return _about_mean(block_db + faded_db, variance + fading_variance)
 
 
-def _with_further(echoes, model, *, rng):
+def _with_further(echoes, spread, *, rng):
     """The echoes with further ones below, of the last layer's waveform."""
     last = np.flatnonzero(echoes.kind == Kind.LAYER)[-1]
     deepest = echoes.bins[last]
-    below = _draw_distances(model.spread["further_spacing_bins"], rng=rng)
+    below = _draw_distances(spread["further_spacing_bins"], rng=rng)
     behind = background_below(echoes, below + (deepest - echoes.bins[0]).mean())
-    rise = 10 ** (model.spread["further_rise_db"] / 10) - 1
+    rise = 10 ** (spread["further_rise_db"] / 10) - 1
     buried = np.ones(below.size, dtype=int)
-    factor = _about_mean(*_draw_fading(model, buried, deepest.size, rng=rng))
+    factor = _about_mean(*_draw_fading(spread, buried, deepest.size, rng=rng))
     power = rise * (behind + echoes.noise_power)[:, None] * factor
     rows = np.append(np.arange(len(echoes.kind)), np.full(below.size, last))
     return dataclasses.replace(
@@ -261,9 +232,9 @@ def _draw_distances(spacing, *, rng):
     return distances[distances < ROWS_BELOW_LAST_LAYER]
 
 
-def _draw_fading(model, interface, n_lines, *, rng):
+def _draw_fading(spread, interface, n_lines, *, rng):
     """Fading [dB] about their means of layers, surface or buried, (layer, range_line); variance."""
-    spread_db, length_lines, exponent = model.fading.T[..., None]
+    spread_db, length_lines, exponent = (spread[name][:, None] for name in FADING)
     lag = lags_on_circle(n_lines, length_lines.max())
     shape = np.exp(-((lag / length_lines) ** exponent))
     series = draw_stationary((spread_db**2 * shape)[interface], n_lines, rng=rng)

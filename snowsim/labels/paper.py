@@ -66,7 +66,7 @@ def dress_as_printed(layer_bins, statistics, *, rng):
         variance_bins2=rng.uniform(*VARIANCE_BINS2, n_layers),
         decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
         kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
-        noise_power=values_of(statistics, "noise_power", ()).item(),
+        noise_power=values_of(statistics, "noise_power"),
         n_looks=N_LOOKS,
     )
 

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
-from snowsim.labels.echoes import PowerModel, add_echoes, power_model, values_of
+from snowsim.labels.echoes import VARIES, add_echoes, dress, values_of
 from snowsim.labels.undulations import (
     MINIMUM_THICKNESS_BINS,
     Nonstationary,
-    Relief,
     draw_stationary,
     draw_undulations,
     lags_on_circle,
@@ -25,13 +25,22 @@ RELIEF = (
     "relief_exponent",
     "slab_change_bins2",
     "slab_exponent",
-)  # in the order of `Relief`
+)
 SURFACE = (
     "surface_error_bins",
     "surface_error_length_m",
     "surface_movement_bins",
     "surface_movement_length_m",
 )
+# Flight statistics that scenes are drawn from, with their dimensions.
+NEEDED = {
+    "n_blocks_by_layers": ("zone", "n_layers"),
+    "zone_edge_bins": ("edge",),
+    "first_thickness_quantile_bins": ("quantile",),
+    "relative_thickness_mean": ("zone", "slab"),
+    "relative_thickness_variance": ("zone", "slab"),
+}
+NEEDED |= dict.fromkeys(RELIEF, ("zone",)) | dict.fromkeys(SURFACE, ()) | VARIES
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +48,14 @@ class LabelModel:
     """Flight statistics made ready to draw many scenes of one width; see `prepare`."""
 
     n_range_lines: int
-    spacing_m: float  # distance between range lines
-    zone_edge_bins: np.ndarray  # (edge,)
-    first_quantile_bins: np.ndarray  # thickness of slab 0, at even probabilities from 0 to 1
-    blocks_by_layers: np.ndarray  # number of blocks with 0, 1, 2 ... layers, (zone, n_layers)
-    share_without_layers: float  # share of blocks without layers, which belong to no zone
-    relative_mean: np.ndarray  # mean of thickness over that of slab 0, (zone, slab)
-    relative_deviation: np.ndarray  # standard deviation of that ratio, (zone, slab)
-    relief: tuple  # `Relief` of each zone
-    surface: tuple  # values of the statistics named in `SURFACE`
-    powers: PowerModel
+    statistics: xr.Dataset
+    values: dict  # of `NEEDED`, and of gain from line to line, by name
     nonstationary: Nonstationary
+
+    @property
+    def spacing_m(self):
+        """Distance between range lines."""
+        return self.statistics.attrs["line_spacing_m"]
 
     def draw_n_layers(self, zone, *, rng):
         """Draw the number of layers below the surface as in the blocks of the zone.
@@ -58,11 +64,14 @@ class LabelModel:
         in the logarithm between mid-quantiles (Parzen 2004, Statist. Sci. 19, 652). A zone without
         layers uses the blocks of all zones.
         """
-        if rng.uniform() < self.share_without_layers:
+        # Blocks without layers belong to no zone.
+        attrs = self.statistics.attrs
+        if rng.uniform() < attrs.get("n_blocks_without_layers", 0) / attrs.get("n_blocks", 1):
             return 0
-        counts = self.blocks_by_layers[zone, 1:]
+        by_layers = self.values["n_blocks_by_layers"][:, 1:]
+        counts = by_layers[zone]
         if not counts.any():
-            counts = self.blocks_by_layers[:, 1:].sum(axis=0)
+            counts = by_layers.sum(axis=0)
         seen = np.flatnonzero(counts)
         middle = (np.cumsum(counts) - counts / 2)[seen] / counts.sum()
         log_number = np.interp(rng.uniform(), middle, np.log(seen + 1))
@@ -70,15 +79,18 @@ class LabelModel:
 
     def draw_means(self, zone, first_bins, n_slabs, *, rng):
         """Mean thickness of slabs [bins], (slab,); those below the flight's last follow its law."""
-        slab = np.minimum(np.arange(n_slabs), self.relative_mean.shape[1] - 1)
-        anomaly = rng.standard_normal(n_slabs)
-        relative = self.relative_mean[zone, slab] + self.relative_deviation[zone, slab] * anomaly
+        mean = self.values["relative_thickness_mean"][zone]
+        deviation = np.sqrt(self.values["relative_thickness_variance"][zone])
+        slab = np.minimum(np.arange(n_slabs), mean.size - 1)
+        relative = mean[slab] + deviation[slab] * rng.standard_normal(n_slabs)
         relative[0] = 1
         return first_bins * relative
 
     def draw_surface(self, *, rng):
         """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves."""
-        error_bins, error_length_m, movement_bins, movement_length_m = self.surface
+        error_bins, error_length_m, movement_bins, movement_length_m = (
+            self.values[name] for name in SURFACE
+        )
         slow = self._slow(error_bins, error_length_m, rng=rng)
         height = rng.uniform() + np.cumsum(self._slow(movement_bins, movement_length_m, rng=rng))
         left = height - np.rint(height) if movement_bins > 0 else 0.0
@@ -114,27 +126,14 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     """
     check_count("n_range_lines", n_range_lines, 2)
     check_statistics(statistics)
-    by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
+    values = {name: values_of(statistics, name, dims) for name, dims in NEEDED.items()}
+    # Statistics of images hold none.
+    if "line_gain_spread_db" in statistics:
+        values["line_gain_spread_db"] = values_of(statistics, "line_gain_spread_db")
     what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"
-    check_values(what, by_layers[:, 1:].sum(), 0, above=True)
-    attrs = statistics.attrs
-    variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))
-    relief = np.transpose([values_of(statistics, name, ("zone",)) for name in RELIEF])
-    quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
-    return LabelModel(
-        n_range_lines=n_range_lines,
-        spacing_m=attrs["line_spacing_m"],
-        zone_edge_bins=values_of(statistics, "zone_edge_bins", ("edge",)),
-        first_quantile_bins=quantiles,
-        blocks_by_layers=by_layers,
-        share_without_layers=attrs.get("n_blocks_without_layers", 0) / attrs.get("n_blocks", 1),
-        relative_mean=values_of(statistics, "relative_thickness_mean", ("zone", "slab")),
-        relative_deviation=np.sqrt(variance),
-        relief=tuple(Relief(*of_zone) for of_zone in relief),
-        surface=tuple(values_of(statistics, name, ()).item() for name in SURFACE),
-        powers=power_model(statistics),
-        nonstationary=nonstationary or Nonstationary(),
-    )
+    check_values(what, values["n_blocks_by_layers"][:, 1:].sum(), 0, above=True)
+    dress(np.zeros((1, 1)), statistics)  # refuses what every scene would
+    return LabelModel(n_range_lines, statistics, values, nonstationary or Nonstationary())
 
 
 def draw(statistics, n_range_lines, *, rng):
@@ -197,15 +196,17 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     if model.n_range_lines != n_range_lines:
         msg = f"label model was prepared for {model.n_range_lines} range lines, got {n_range_lines}"
         raise ValueError(msg)
-    probability = np.linspace(0, 1, model.first_quantile_bins.size)
-    first_bins = float(np.interp(rng.uniform(), probability, model.first_quantile_bins))
-    zone = int(zone_of(first_bins, model.zone_edge_bins))
+    values = model.values
+    quantiles = values["first_thickness_quantile_bins"]
+    probability = np.linspace(0, 1, quantiles.size)
+    first_bins = float(np.interp(rng.uniform(), probability, quantiles))
+    zone = int(zone_of(first_bins, values["zone_edge_bins"]))
     n_layers = model.draw_n_layers(zone, rng=rng)
     n_slabs = max(n_layers, 1)  # a scene without layers drops its only slab at the end
     mean = model.draw_means(zone, first_bins, n_slabs, rng=rng)
-    drawn = mirrored(mean)[:, None] + draw_undulations(
-        model.relief[zone], n_slabs, n_range_lines, model.spacing_m, rng=rng
-    )
+    relief = {name: values[name][zone] for name in RELIEF}
+    drawn = draw_undulations(relief, n_slabs, n_range_lines, model.spacing_m, rng=rng)
+    drawn += mirrored(mean)[:, None]
     drawn, bent = model.nonstationary.bend(drawn, zone, rng=rng)
     drawn = drawn[:n_layers]
     layer_bins = layers_below(model.draw_surface(rng=rng), mirrored(drawn))
@@ -217,7 +218,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         zone=zone,
         notes=notes_of(drawn, mean[:n_layers], first_bins) | bent,
     )
-    return add_echoes(scene, model.powers, rng=rng)
+    return add_echoes(scene, model.statistics, values, rng=rng)
 
 
 def notes_of(drawn, mean, first_bins):

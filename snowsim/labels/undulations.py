@@ -15,21 +15,6 @@ LEAST_EIGENVALUE = 1e-10
 LENGTHS_AROUND = 8  # a circle is at least so many correlation lengths long
 
 
-@dataclass(frozen=True)
-class Relief:
-    """The law by which thickness changes along track in one zone, see `snowsim.statistics.relief`.
-
-    Over h metres, layers by themselves change by a mean square of ``2 variance (1 - exp(-(h /
-    length)^exponent))``, slabs by ``slab_change (h / 1000 m)^slab_exponent`` [bins^2].
-    """
-
-    variance_bins2: float
-    length_m: float
-    exponent: float
-    slab_change_bins2: float
-    slab_exponent: float
-
-
 def draw_stationary(covariance, n_lines, *, rng):
     """Gaussian series (row, range_line) of covariances (row, lag), by circulant embedding.
 
@@ -53,14 +38,21 @@ def lags_on_circle(n_lines, length_lines):
 
 
 def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
-    """Thickness of slabs about their means [bins], (slab, range_line), by `Relief`."""
-    lag = lags_on_circle(n_lines, relief.length_m / spacing_m)
-    falls = np.exp(-((lag * spacing_m / relief.length_m) ** relief.exponent))
-    covariance = np.tile(relief.variance_bins2 * falls, (n_slabs + 1, 1))
+    """Thickness of slabs about their means [bins], (slab, range_line).
+
+    `relief` holds the numbers of the law of `snowsim.statistics.relief` by name: over h metres,
+    layers by themselves change by a mean square of ``2 variance (1 - exp(-(h /
+    length)^exponent))``, slabs by ``slab_change (h / 1000 m)^slab_exponent`` [bins^2].
+    """
+    length_m = relief["relief_length_m"]
+    lag = lags_on_circle(n_lines, length_m / spacing_m)
+    falls = np.exp(-((lag * spacing_m / length_m) ** relief["relief_exponent"]))
+    covariance = np.tile(relief["relief_variance_bins2"] * falls, (n_slabs + 1, 1))
     layers = draw_stationary(covariance, n_lines, rng=rng)
     # Steps of fractional Brownian motion, whose wrapped covariance has no negative eigenvalue.
     away_m = spacing_m * np.abs(np.arange(-1, n_lines + 2))
-    change = relief.slab_change_bins2 * (away_m / KILOMETRE) ** relief.slab_exponent
+    change = (away_m / KILOMETRE) ** relief["slab_exponent"]
+    change = relief["slab_change_bins2"] * change
     covariance = np.tile(np.diff(change, 2) / 2, (n_slabs, 1))
     steps = draw_stationary(covariance, n_lines, rng=rng)
     thickness = np.diff(layers, axis=0) + np.cumsum(steps, axis=1)
