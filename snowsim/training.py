@@ -245,9 +245,44 @@ def load_weights(network, weights, name):
     return network
 
 
-def moments_of(optimiser):
-    """Moments of an optimiser, dicts of tensors by number of the weight, for `load_moments`."""
-    return optimiser.state_dict()["state"]
+class Resumable:
+    """Settings, seed, device, networks and optimisers of a training, and `step`, steps taken.
+
+    A training resumes from its `state`, `step` and seed, since what a step draws depends on seed
+    and step alone. `what` names it in errors. `networks` are by name, with their first weights;
+    `optimisers` are added later.
+    """
+
+    def __init__(self, what, settings, seed, device, networks):
+        self._what = what
+        self.settings = settings
+        self.seed = seed
+        self.device = device
+        self.step = 0
+        self.networks = networks
+        self.optimisers = {}
+        for network in networks.values():
+            network.to(device=device, memory_format=torch.channels_last)
+            if is_gpu(device):
+                allocate_gradients(network)
+
+    def state(self):
+        """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
+        state = {name: network.state_dict() for name, network in self.networks.items()}
+        for name, optimiser in self.optimisers.items():
+            state[name] = optimiser.state_dict()["state"]
+        return on_cpu(state)
+
+    def restore(self, state, step):
+        """Go on from a `state`, as arrays, that was kept after `step` steps.
+
+        ValueError if other settings made it.
+        """
+        for name, network in self.networks.items():
+            load_weights(network, state.get(name, {}), f"{self._what} {name}")
+        for name, optimiser in self.optimisers.items():
+            load_moments(optimiser, state.get(name, {}))
+        self.step = step
 
 
 def load_moments(optimiser, moments):

@@ -9,18 +9,7 @@ from snowsim.cgan.networks import LOSSES, initialise
 from snowsim.limits import check_count
 from snowsim.patches import draw_index, from_signed
 from snowsim.seeding import random_stream
-from snowsim.training import (
-    Step,
-    adaptive,
-    allocate_gradients,
-    is_gpu,
-    load_moments,
-    load_weights,
-    moments_of,
-    on_cpu,
-    set_rate,
-    taken,
-)
+from snowsim.training import Resumable, Step, adaptive, is_gpu, load_weights, set_rate, taken
 
 RECIPES = {"measured": measured, "pix2pix": pix2pix}  # modules, by `Settings.method`
 N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 1 MB
@@ -28,7 +17,7 @@ BETAS = (0.5, 0.999)  # of Adam, pix2pix
 ADAM_BYTES = 16  # of a weight: itself, its gradient and two moments, float32
 
 
-class Training:
+class Training(Resumable):
     """Both networks, `generator` and `discriminator`, their optimisers and the steps taken, `step`.
 
     What a step draws depends on the seed and the step alone, so these and `seed` are all there is
@@ -36,41 +25,15 @@ class Training:
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
-        self.settings = settings
-        self.seed = seed
-        self.device = device
-        self.step = 0
         self.generator, self.discriminator = networks_of(settings)
-        self.optimisers = {}
-        for name, network in self._networks().items():
+        networks = {"generator": self.generator, "discriminator": self.discriminator}
+        for name, network in networks.items():
             initialise(network, rng=random_stream(seed, "cgan", name))
-            network.to(device=device, memory_format=torch.channels_last)
-            rate = settings.learning_rate
+        super().__init__("cGAN", settings, seed, device, networks)
+        rate = settings.learning_rate
+        for name, network in networks.items():
             adam = adaptive(torch.optim.Adam, network.parameters(), rate, device, betas=BETAS)
             self.optimisers[f"{name}_adam"] = adam
-            if is_gpu(device):
-                allocate_gradients(network)
-
-    def _networks(self):
-        return {"generator": self.generator, "discriminator": self.discriminator}
-
-    def state(self):
-        """Everything that a step changes but `step`, nested dicts of CPU tensors for `restore`."""
-        state = {name: network.state_dict() for name, network in self._networks().items()}
-        for name, optimiser in self.optimisers.items():
-            state[name] = moments_of(optimiser)
-        return on_cpu(state)
-
-    def restore(self, state, step):
-        """Take over a `state`, read back as arrays, after `step` steps.
-
-        ValueError if other settings made it.
-        """
-        for name, network in self._networks().items():
-            load_weights(network, state.get(name, {}), name)
-        for name, optimiser in self.optimisers.items():
-            load_moments(optimiser, state.get(name, {}))
-        self.step = step
 
 
 def networks_of(settings):

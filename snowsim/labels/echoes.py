@@ -64,6 +64,21 @@ def radar_of(statistics):
     return radar
 
 
+def echoes_of_layers(layer_bins, statistics, variance_bins2, **radar):
+    """`Echoes` of layers alone, with the flight's mean powers and decay, one for each layer."""
+    n_layers, n_lines = layer_bins.shape
+    power = of_uppermost(statistics, "peak_power", n_layers)
+    return Echoes(
+        bins=layer_bins,
+        power=np.repeat(power[:, None], n_lines, axis=1),
+        variance_bins2=variance_bins2,
+        decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
+        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
+        noise_power=values_of(statistics, "noise_power"),
+        **radar,
+    )
+
+
 def dress(layer_bins, statistics):
     """Give layers without powers the echoes that such layers have on average in a flight.
 
@@ -90,18 +105,9 @@ def dress(layer_bins, statistics):
     """
     check_statistics(statistics)
     n_layers, n_lines = layer_bins.shape
-    noise_power = values_of(statistics, "noise_power")
-    check_values("flight statistics: noise_power", noise_power, 0, above=True)
-    power = of_uppermost(statistics, "peak_power", n_layers)
-    layers = Echoes(
-        bins=layer_bins,
-        power=np.repeat(power[:, None], n_lines, axis=1),
-        variance_bins2=of_uppermost(statistics, "variance_bins2", n_layers),
-        decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
-        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
-        noise_power=noise_power,
-        **radar_of(statistics),
-    )
+    variance = of_uppermost(statistics, "variance_bins2", n_layers)
+    layers = echoes_of_layers(layer_bins, statistics, variance, **radar_of(statistics))
+    check_values("flight statistics: noise_power", layers.noise_power, 0, above=True)
     # Statistics of 8-bit images hold no background.
     if "background_power" not in statistics:
         return layers

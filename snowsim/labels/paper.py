@@ -3,8 +3,8 @@
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import SURFACE_ROW, Echoes, Kind, Scene, scene_height, zone_of
-from snowsim.labels.echoes import of_uppermost, values_of
+from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
+from snowsim.labels.echoes import echoes_of_layers, values_of
 from snowsim.labels.scene import notes_of
 from snowsim.labels.undulations import layers_below, mirrored
 from snowsim.limits import check_count, check_statistics
@@ -58,17 +58,8 @@ def dress_as_printed(layer_bins, statistics, *, rng):
     The variance of each layer's Gaussian is uniform between 10 and 15, as printed. ValueError if
     statistics are missing, not finite or not positive.
     """
-    n_layers, n_lines = layer_bins.shape
-    power = of_uppermost(statistics, "peak_power", n_layers)
-    return Echoes(
-        bins=layer_bins,
-        power=np.repeat(power[:, None], n_lines, axis=1),
-        variance_bins2=rng.uniform(*VARIANCE_BINS2, n_layers),
-        decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
-        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
-        noise_power=values_of(statistics, "noise_power"),
-        n_looks=N_LOOKS,
-    )
+    variance = rng.uniform(*VARIANCE_BINS2, len(layer_bins))
+    return echoes_of_layers(layer_bins, statistics, variance, n_looks=N_LOOKS)
 
 
 def _series(psd, n_lines, *, rng):

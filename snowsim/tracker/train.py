@@ -10,14 +10,12 @@ from snowsim.seeding import random_stream
 from snowsim.tracker.network import MultiScaleNetwork, balanced_cross_entropy
 from snowsim.tracker.published import PublishedNetwork, published_optimiser, published_training
 from snowsim.training import (
+    Resumable,
     Step,
     adaptive,
-    allocate_gradients,
     arithmetic,
     is_gpu,
-    load_moments,
     load_weights,
-    moments_of,
     on_cpu,
     set_rate,
     taken,
@@ -39,7 +37,7 @@ def trained_network(weights, settings, *, device="cpu"):
     return network.to(device=device, memory_format=torch.channels_last).eval()
 
 
-class Training:
+class Training(Resumable):
     """The network, its optimiser and the number of gradients taken.
 
     A training resumes from these and its seed, since what a step draws depends on seed and step
@@ -60,28 +58,19 @@ class Training:
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
-        self.settings = settings
-        self.seed = seed
-        self.device = device
-        self.step = 0
         self.network = network_of(settings)
         self.network.initialise(rng=random_stream(seed, "tracker", "network"))
-        self.network.to(device=device, memory_format=torch.channels_last)
+        super().__init__("tracker", settings, seed, device, {"network": self.network})
         is_published = settings.network == "published"
         make = published_optimiser if is_published else optimiser_of
         self.optimiser = make(self.network, settings, device)
-        if is_gpu(device):
-            allocate_gradients(self.network)
+        self.optimisers["optimiser"] = self.optimiser
 
     def state(self):
         """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
         gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
-        state = {
-            "network": self.network.state_dict(),
-            "optimiser": moments_of(self.optimiser),
-            "gradient": {name: sums for name, sums in gradients.items() if sums is not None},
-        }
-        return on_cpu(state)
+        held = {name: sums for name, sums in gradients.items() if sums is not None}
+        return super().state() | {"gradient": on_cpu(held)}
 
     def set_rate(self, rate):
         """Set the learning rate of the next update, relative to the highest."""
@@ -98,13 +87,11 @@ class Training:
 
         ValueError if other settings made it.
         """
-        load_weights(self.network, state.get("network", {}), "tracker")
-        load_moments(self.optimiser, state.get("optimiser", {}))
+        super().restore(state, step)
         gradients = state.get("gradient", {})
         for name, parameter in self.network.named_parameters():
             if name in gradients:
                 parameter.grad = torch.empty_like(parameter).copy_(torch.as_tensor(gradients[name]))
-        self.step = step
 
 
 def train_steps(training, scenes, *, n_workers=0):
