@@ -12,7 +12,7 @@ def precision_recall(precision_recall):
     for training_set, rows in precision_recall.groupby("training_set", sort=False):
         ax.plot(rows["recall"], rows["precision"], **line_style(training_set))
     ax.set(xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1), title="fused output")
-    ax.legend(loc="lower left", fontsize=8)
+    ax.legend(loc="center left", bbox_to_anchor=(1, 0.5), fontsize=8)
     return figure
 
 
