@@ -14,7 +14,7 @@ TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
 SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
 SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
 N_DEPTHS = 800
-NAME_SHARES = (0.05, 0.02)  # width and height of a name, of the picture's
+NAME_SHARES = (0.05, 0.03)  # width and height of a name, of the picture's
 SHOWN_YEARS = 5  # from one error of age to the next
 
 

@@ -66,7 +66,8 @@ def read_profile(
     the top, bottom or middle of samples, as the name or `depth_of` says; where neither does, of
     tops if the first is 0, of middles if it is about half the first sample, else they are refused.
     Rows may run from the bottom up, numbers have a decimal comma, -9999 is none; lines that begin
-    with ``#`` and a block ``/* */`` above the header are remarks. Depth in water equivalent is refused.
+    with ``#`` and a block ``/* */`` above the header are remarks. Depth in water equivalent is
+    refused.
     """
     table = _table(path)
     density = _column(path, table, "density", DENSITY, density_column)
