@@ -11,7 +11,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-import snowsim  # noqa: E402
+import snowsim
 
 project = "snowsim"
 author = "The snowsim developers"

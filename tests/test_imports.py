@@ -12,6 +12,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {
     "constants",
     "echogram",
+    "frames",
     "limits",
     "patches",
     "progress",
@@ -23,12 +24,10 @@ CORE = {
 FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
-    ("io", "frames"),
     ("statistics", "phy.waveform"),
     # PHY's mean power tells how bright a scene is.
     ("cgan", "phy"),
     ("tracker", "metrics"),
-    ("tracker", "frames"),
 }
 # What only some stages or modules may import.
 NETWORKS = {f"tracker/{module}" for module in ("network", "portable", "published", "train")}
