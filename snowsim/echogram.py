@@ -261,7 +261,7 @@ def bin_size_s(echogram):
     return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
 
 
-def power_of(echogram):
+def data_of(echogram):
     """`Data` of an echogram dataset, (range_bin, range_line)."""
     return echogram["Data"].transpose("twtt", "slow_time").values
 
@@ -379,7 +379,7 @@ def _looks_like_decibels(echogram):
 
     Told on 256 lines in the middle, level with the echogram's own surface.
     """
-    power = power_of(echogram)
+    power = data_of(echogram)
     n_bins, n_lines = power.shape
     first = max(0, n_lines // 2 - BLOCK_LINES // 2)
     lines = slice(first, first + BLOCK_LINES)
@@ -406,7 +406,7 @@ def _looks_like_amplitude(echogram):
 
     Not told where they hold hardly any noise, or what changes from line to line by less than noise.
     """
-    power = power_of(echogram)
+    power = data_of(echogram)
     power = power[:, :: 1 + power.shape[1] // MOST_LINES]
     power = power[(power > 0).mean(axis=1) > 0.5]
     if min(power.shape) < LEAST_LINES:

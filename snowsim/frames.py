@@ -13,9 +13,9 @@ from snowsim.echogram import (
     Scene,
     bin_size_s,
     check_choice,
+    data_of,
     layer_bins_of,
     levelled,
-    power_of,
     scene_height,
     to_uint8,
 )
@@ -122,7 +122,7 @@ def shifted(echogram, shift):
     bin_s = bin_size_s(echogram)
     lowest = int(min(shift.min(), 0))
     n_rows = echogram.sizes["twtt"] + int(max(shift.max(), 0)) - lowest
-    moved = levelled(power_of(echogram), lowest - shift, n_rows)
+    moved = levelled(data_of(echogram), lowest - shift, n_rows)
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
     return _delayed(_of_bins(echogram, moved, twtt), ("Surface", "Bottom"), shift * bin_s)
 
@@ -154,7 +154,7 @@ def resample_range(echogram, bin_s):
     millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
-    power = power_of(echogram)
+    power = data_of(echogram)
     longest_s = present_s * (power.shape[0] - 1)
     if not 0 < bin_s <= longest_s * (1 + 1e-6):
         msg = f"bin_s must be positive, and two bins fit into the {longest_s:.3g} s, got {bin_s}"
@@ -264,7 +264,7 @@ def cut_blocks(echogram, layers, *, name):
     the list of scenes, and a dict of the reason for each skipped block by its name.
     """
     layer_bins = layer_bins_of(layers, echogram)
-    power = power_of(echogram)
+    power = data_of(echogram)
     flagged = np.zeros(power.shape[1], dtype=bool)
     if "flagged" in echogram:
         flagged = echogram["flagged"].values

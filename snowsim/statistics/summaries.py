@@ -14,8 +14,8 @@ from snowsim.echogram import (
     bin_size_s,
     check_echogram,
     check_layers,
+    data_of,
     layer_bins_of,
-    power_of,
 )
 from snowsim.limits import check_content, check_count
 
@@ -70,7 +70,7 @@ def summarise(echogram, layers, where="frame"):
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
-    power = np.ascontiguousarray(power_of(echogram).T)
+    power = np.ascontiguousarray(data_of(echogram).T)
     n_lines, n_bins = power.shape
     empty = (power == 0).all(axis=1)
     power = np.where(empty[:, None], np.nan, power)
