@@ -124,10 +124,13 @@ def parsed(folder, configs=TINY, targets=(), snakefile="Snakefile", **config):
         return dag.workflow_api._workflow
 
 
-def jobs_to_run(workflow):
-    """Jobs of a plan that are to run, that of the default target left out."""
-    jobs = workflow.dag.needrun_jobs(exclude_finished=False)
-    return [job for job in jobs if job.rule.name != "all"]
+def rules_planned(folder, configs=TINY, targets=("all",), *, source=None):
+    """Names of the rules that would run in `folder`, and of those that an edit triggers."""
+    snakefile = (source or source_tree()) / "Snakefile"
+    dag = parsed(folder, configs, targets, snakefile).dag
+    jobs = list(dag.needrun_jobs(exclude_finished=False))
+    triggered = {job.rule.name for job in jobs if dag.reason(job).is_provenance_triggered()}
+    return {job.rule.name for job in jobs} - {"all"}, triggered
 
 
 def refused(folder, *configs, **config):

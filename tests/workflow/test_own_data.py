@@ -15,13 +15,10 @@ from runs import (
     ROOT,
     SCHEMA,
     WRITTEN,
-    jobs_to_run,
-    parsed,
     refused,
-    rules_to_run,
+    rules_planned,
     run_snakemake,
     settings,
-    source_tree,
     text_of,
 )
 from snakemake.utils import update_config
@@ -78,10 +75,7 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
     run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
 
     def again():
-        plan = parsed(
-            tmp_path / "run", configs, targets=["flight"], snakefile=source_tree() / "Snakefile"
-        )
-        return {job.rule.name for job in jobs_to_run(plan)}
+        return rules_planned(tmp_path / "run", configs, ["flight"])[0]
 
     assert again() == set()
     imports = {"check_frames", "import_frame", "import_blocks", "flight"}
@@ -131,8 +125,7 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
     assert not (results / "figures/flight_line.svg").exists()
     changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "data_scale": "db"})
-    plan = run_snakemake(tmp_path, "--dry-run", configs=changed)
-    assert {"check_pairs", "import_pairs"} <= rules_to_run(plan)
+    assert {"check_pairs", "import_pairs"} <= rules_planned(tmp_path, changed)[0]
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from functools import partial
 
 import pytest
-from runs import jobs_to_run, parsed, rules_to_run, run_snakemake, settings, text_of
+from runs import rules_planned, rules_to_run, run_snakemake, settings, text_of
 
 
 @contextmanager
@@ -43,9 +43,10 @@ def downstream(plan):
     return {name: after - {"all"} for name, after in downstream.items()}
 
 
-def test_an_edited_script_reruns_its_rule_and_what_depends_on_it(plan, tiny_source, downstream):
+def test_an_edited_script_reruns_its_rule_and_what_depends_on_it(tiny_run, tiny_source, downstream):
     with edited(tiny_source / "workflow/scripts/render_phy.py"):
-        assert rules_to_run(plan("--dry-run")) == downstream["render_phy"]
+        planned, _ = rules_planned(tiny_run, source=tiny_source)
+    assert planned == downstream["render_phy"]
 
 
 def test_edited_code_of_the_package_is_warned_of_and_a_rule_is_rerun_by_force(
@@ -91,10 +92,6 @@ def test_touching_unchanged_inputs_reruns_nothing(plan, tiny_run, tiny_source):
 def test_a_setting_reruns_what_depends_on_it_and_nothing_else(
     tiny_run, tiny_source, tmp_path, downstream, text, first
 ):
-    configs = settings(tmp_path, text)
-    plan = parsed(tiny_run, configs, targets=["all"], snakefile=tiny_source / "Snakefile")
-    jobs = jobs_to_run(plan)
-    triggered = {job.rule.name for job in jobs if plan.dag.reason(job).is_provenance_triggered()}
+    planned, triggered = rules_planned(tiny_run, settings(tmp_path, text), source=tiny_source)
     assert first <= triggered
-    expected = set().union(*(downstream[name] for name in triggered))
-    assert {job.rule.name for job in jobs} == expected
+    assert planned == set().union(*(downstream[name] for name in triggered))
