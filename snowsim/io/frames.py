@@ -220,7 +220,8 @@ def _check_clock(path, layers, echogram):
             share[shift_s] = (nearest >= 0).mean()
         shift_s = max(share, key=share.get)
         if share[0] < MOST_LINES <= share[shift_s]:
-            found = f"times that are its own {shift_s} s later: is one of both GPS time?"
+            order = "later" if shift_s < 0 else "earlier"
+            found = f"times {abs(shift_s)} s {order} than its own: is one of both GPS time?"
             raise refusal(path, "slow_time", "UTC as in the echogram", found)
 
 

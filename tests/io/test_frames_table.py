@@ -139,12 +139,12 @@ def test_layers_of_gps_time_are_named_as_such_where_they_fit_or_reach_over(
     formats.write_mat5(flight / "b.mat", content)
     longer = formats.truth(rng, n_lines=3 * n_lines)
     times = formats.GPS_START + 0.0537 * np.arange(-n_lines, 2 * n_lines)
-    for late_s in (15, -15):
+    for late_s, order in ((15, "later"), (-15, "earlier")):
         for gps_time, surface in ((content["GPS_time"], content), (times, longer)):
             gps_time = gps_time + late_s
             stored = formats.layer_content([surface["Surface"]], [9], gps_time)
             formats.write_mat5(flight / LAYERS, stored)
-            with refusal(f"own {-late_s} s later: is one of both GPS time"):
+            with refusal(f"found times 15 s {order} than its own: is one of both GPS time"):
                 read_frame(rows[1])
     stored = formats.layer_content([longer["Surface"]], [9], times)
     formats.write_mat5(flight / LAYERS, stored)
