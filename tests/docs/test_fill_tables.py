@@ -1,11 +1,15 @@
 """Tables of README and pages are those of a run's files."""
 
 import fill_tables
+import numpy as np
 import pandas as pd
 import pytest
-from claims import claims_of_trackers, verdict
+from claims import claims_of_trackers, off_where_bent, radial_spectrum_db, verdict
+from numpy.testing import assert_allclose
 from refusals import refusal
 from result_tables import SETS, table2, table3_intervals
+
+from snowsim.echogram import Scene
 
 
 @pytest.fixture
@@ -64,3 +68,21 @@ def test_verdicts_follow_from_the_side_of_zero():
     outcomes = {claim: outcome for claim, outcome, _ in rows}
     assert outcomes["RD+PD raises the fused ODS"] == "contradicted"
     assert outcomes["RD+GD raises the fused ODS"] == "open"
+
+
+@pytest.mark.parametrize("off_bins", [0, 3])
+def test_the_brightest_pixel_is_as_far_off_a_bent_layer_as_it_is_drawn(off_bins):
+    line = np.arange(256)
+    layer_bins = np.rint([np.full(256, 50.0), 80 + 10 * np.sin(line / 20)])
+    scene = Scene("bent", 300, layer_bins, complete_layer_bins=layer_bins)
+    image = np.zeros((300, 256), dtype=np.uint8)
+    image[layer_bins[1].astype(int) + off_bins, line] = 255
+    assert off_where_bent(scene, image) == off_bins
+
+
+def test_a_spectrum_s_level_is_that_of_the_image_s_power(rng):
+    image = rng.standard_normal((300, 256))
+    raised_db = radial_spectrum_db(2 * image) - radial_spectrum_db(image)
+    assert_allclose(raised_db, 20 * np.log10(2), rtol=1e-9)
+    # White noise: as many bands, one level; some 1e2 wavenumbers a band scatter by .4 dB.
+    assert np.ptp(radial_spectrum_db(image)) < 3
