@@ -1,5 +1,7 @@
 """Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
+from functools import partial
+
 import formats
 import netCDF4
 import numpy as np
@@ -13,9 +15,10 @@ from refusals import refusal
 from snowsim import Climate, simulate
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.io import echogram as echogram_of
-from snowsim.io import read_echogram, write_dataset
+from snowsim.io import read_echogram, write_dataset, write_image
 from snowsim.io.describe import describe
 from snowsim.io.echograms import gps_seconds, utc_times
+from snowsim.io.predictions import read_picks
 from snowsim.statistics import fit
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
@@ -389,3 +392,28 @@ def test_decibels_made_positive_are_told_by_info_and_refused_by_fit(path, simula
     if offset_db is not None:
         with refusal("frame 0: Data looks like decibels"):
             fit([(read_echogram(path), layers)])
+
+
+@pytest.mark.parametrize("kind", ["mat5", "opr", "png", "picks"])
+def test_a_file_is_opened_once(tmp_path, content, monkeypatch, kind):
+    path = tmp_path / f"frame{'.png' if kind == 'png' else '.nc'}"
+    read = describe
+    if kind == "png":
+        write_image(path, np.arange(800, dtype=np.uint8).reshape(20, 40))
+    elif kind == "picks":
+        surface = content["Surface"]
+        formats.opr_layers([surface, surface + 1e-8], content["GPS_time"]).to_netcdf(path)
+        read = partial(read_picks, bin_s=formats.BIN_S)
+    else:
+        WRITERS[kind](path, content)
+    names = []
+    really = open
+
+    def counted(name, *args, **how):
+        names.append(str(name))
+        return really(name, *args, **how)
+
+    monkeypatch.setattr("io.open", counted)
+    monkeypatch.setattr("builtins.open", counted)
+    read(path)
+    assert names.count(str(path)) == 1
