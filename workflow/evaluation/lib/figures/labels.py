@@ -56,8 +56,9 @@ def plot_slabs(ax, drawn, statistics):
     ax.plot(of_flight, **FLIGHT)
     ax.plot(means, **DRAWN)
     ax.set(xlabel="slab", ylabel="mean thickness / slab 0")
-    off = (means / of_flight - 1).abs()
-    ax.set_title(f"furthest apart: slab {off.idxmax()}, by {100 * off.max():.0f} %")
+    off = (means / of_flight - 1).abs().dropna()
+    if not off.empty:  # else no scene has a slab
+        ax.set_title(f"furthest apart: slab {off.idxmax()}, by {100 * off.max():.0f} %")
 
 
 def relative_thickness(scene):
