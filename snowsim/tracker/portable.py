@@ -24,10 +24,20 @@ class FusedLogits(nn.Module):
     def __init__(self, network):
         super().__init__()
         self.network = network
+        network.enlarged = enlarged_alone
 
     def forward(self, image):
         """Fused logits of images as from `MultiScaleNetwork.to_input`."""
         return self.network(image)[-1]
+
+
+def enlarged_alone(logit, factors, size):
+    """As `MultiScaleNetwork.enlarged`, for onnxruntime, which pads a map's one channel to sixteen.
+
+    It does so up to where the channel is taken away, here before the map is enlarged.
+    """
+    without_channel = logit.squeeze(1)
+    return MultiScaleNetwork.enlarged(without_channel.unsqueeze(1), factors, size)
 
 
 def to_onnx(network, offset=0.0, about=None):
