@@ -35,6 +35,7 @@ from snowsim.tracker import (
 # Probabilities, and what a chain must gather, that picks are scored at to choose the threshold.
 THRESHOLDS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 EVIDENCE = (40.0, 55.0, 70.0, 90.0)
+F_KNOWN_TO = 0.005  # of the scenes that choose
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,9 +159,10 @@ def pick_curve(logits, scenes, calibration):
 
 
 def threshold_of(curve):
-    """Threshold at which picks have the best F, as the package links them."""
+    """Threshold of fewest false pieces among those of the best F, as the package links them."""
     as_linked = curve[curve["evidence_log_odds"] == Linking().evidence_log_odds]
-    return float(as_linked.loc[as_linked["f"].idxmax(), "threshold"])
+    best = as_linked[as_linked["f"] >= as_linked["f"].max() - F_KNOWN_TO]
+    return float(best.loc[best["false_share"].idxmin(), "threshold"])
 
 
 def pick_scores(picks, scenes):
