@@ -58,10 +58,7 @@ def by_year(accumulated):
     n_km = np.ones(given.sizes["year"])
     if "Latitude" in accumulated:
         kilometre = np.floor(along_track_m(accumulated) / KILOMETRE_M)
-        n_km = [
-            max(np.unique(kilometre[lines & np.isfinite(kilometre)]).size, 1)
-            for lines in given.values
-        ]
+        n_km = [max(pd.Series(kilometre[lines]).nunique(), 1) for lines in given.values]
     doubt = (1 - accumulated["confidence"]) / accumulated["n_years"]
     columns = {
         "accumulation_m_we": accumulated["accumulation_m_we"],
