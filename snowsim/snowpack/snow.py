@@ -21,9 +21,8 @@ TYPICAL_LINES = 601  # range lines, whose median mass of a year is the typical o
 # Standard deviation of a year's mass over the typical one: years differ (by .13 to .31 in cores),
 # and picks and the typical mass have errors.
 SPREAD = 0.3
-# Share of spans over more than a year: with less, more is miscounted in cores where a fifth of the
-# horizons is missing, with more, in simulations where a tracker finds nearly all.
-MISSED = 0.25
+# Share of spans over more than a year, chosen on half of the cores, a fifth of horizons missing.
+MISSED = 0.3
 # Odds that a pick is no horizon, over the probability that no layer lies there.
 NO_HORIZON = 0.4
 USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
