@@ -17,10 +17,16 @@ def precision_recall(precision_recall):
 
 
 def picks(scene, picked, picks_by_depth, scale):
-    """Layers of a scene, what every training set's tracker picks, and the share picked by depth."""
+    """Layers of a scene, what every training set's tracker picks, and the share picked by depth.
+
+    Layers are all there are where they are known, else those that are annotated.
+    """
     figure, axes = new_figure(1, len(picked) + 2, width=13, height=3.2)
     of_truth, *on_scene, of_shares = axes[0]
-    layers = {"truth": scene.complete_layer_bins} | picked
+    truth = {"truth": scene.complete_layer_bins}
+    if scene.complete_layer_bins is None:
+        truth = {"annotated": scene.layer_bins}
+    layers = truth | picked
     for ax, (name, layer_bins) in zip((of_truth, *on_scene), layers.items(), strict=True):
         scale.plot_image(ax, scene.image[:MINIMUM_ROWS])
         top, bottom = scale.depth_m(np.array([0, MINIMUM_ROWS - 1]))
