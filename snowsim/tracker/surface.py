@@ -27,10 +27,10 @@ def find_surface(power_db, given):
 
     It is the largest of the next few bins where their mean exceeds that of the air above by most,
     of what was recorded; where too little air was, its median above the surface of other lines
-    counts; where too little snow was, nothing rises. A line that leaves the
-    running median by more than a few bins takes the median. And by what share of that power rises
-    at the surface given, (range_line,): all of it where the snow below was recorded but no air
-    above, NaN where that is unknown.
+    counts; where too little snow was, nothing rises. A line that leaves the running median by more
+    than a few bins takes the median. And by what share of that power rises at the surface given,
+    (range_line,): all of it where the snow below was recorded but no air above, NaN where that is
+    unknown.
     """
     n_bins, n_lines = power_db.shape
     known = np.isfinite(power_db).any(axis=0)
