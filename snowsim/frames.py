@@ -23,6 +23,8 @@ from snowsim.echogram import (
 OVERLAP_LINES = 6  # of blocks
 FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
 REACH = 1.5  # of a line of a layer file, in its median spacings
+# Times of one range line in two files differ by rounding: most of it, in those spacings.
+SAME_LINE = 1e-3
 METHODS = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
 # Not here by default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB
@@ -63,9 +65,12 @@ def align_layers(layers, echogram, where="layers"):
         raise ValueError(msg)
     nearest = pd.Index(theirs_s).get_indexer(ours_s, method="nearest")
     picked = layers.transpose("layer", ...)
-    # Where a line of theirs is, its own value, though a neighbour may be missing.
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
-    twtt[:, np.abs(ours_s - theirs_s[nearest]) > REACH * spacing_s] = np.nan
+    away_s = np.abs(ours_s - theirs_s[nearest])
+    twtt[:, away_s > REACH * spacing_s] = np.nan
+    # Where a line of theirs is, its own value, though a neighbour may be missing.
+    same = away_s < SAME_LINE * spacing_s
+    twtt[:, same] = picked["twtt"].values[:, nearest[same]]
     if "Elevation" in layers:
         their_m = np.interp(ours_s, theirs_s, layers["Elevation"].values)
         rise_m = echogram["Elevation"].values - their_m

@@ -35,6 +35,9 @@ def test_gaps_and_holes_stay_and_on_its_own_lines_nothing_changes(rng):
     aligned = align_layers(layers, echogram)
     assert_array_equal(aligned["twtt"], layers["twtt"])
     check_layers(aligned)
+    # Files round times of one line differently.
+    rounded = layers.assign_coords(slow_time=layers["slow_time"] + np.timedelta64(300, "ns"))
+    assert_array_equal(align_layers(rounded, echogram)["twtt"], layers["twtt"])
     coarse = layers.isel(slow_time=slice(None, None, 4))
     missing = np.isnan(align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))["twtt"].values)
     # Line 20 is missing, and what would lean on it; the surface is untouched.
