@@ -89,6 +89,23 @@ def test_layers_that_stand_above_noise_and_background_are_labelled(flight):
     assert_array_equal(seen.complete_layer_bins, scene.layer_bins)
 
 
+def test_labels_end_where_layers_fade_as_the_truth_of_the_reference_flight_does(flight):
+    scene = draw_scene(flight, 64, name="", rng=np.random.default_rng(1))
+    is_layer = np.flatnonzero(scene.echoes.kind == Kind.LAYER)
+    power = np.zeros_like(scene.echoes.power)
+    power[is_layer] = 0.5
+    # Over noise of 1 these rise by .8 and 1.8 dB at most; truth ends at 1 dB.
+    power[is_layer[1]] = 0.2
+    ends = []
+    for last in (0.2, 0.5):
+        power[is_layer[-1]] = last
+        echoes = replace(scene.echoes, power=power.copy(), noise_power=1.0)
+        seen = np.isfinite(labelled(replace(scene, echoes=echoes)).layer_bins).all(axis=1)
+        assert seen[:-1].all()
+        ends.append(bool(seen[-1]))
+    assert ends == [False, True]
+
+
 def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():
     row = np.arange(320.0)[:, None]
     layer_bins = np.array([[80.25] * 64, [200.5] * 64])

@@ -8,6 +8,8 @@ import numpy as np
 from lib.phy_renders import render_by_phy
 from pretrained.clutter import Clutter, bands, with_crusts
 from pretrained.resizing import in_bins
+from reference import Settings
+from reference.picks import visible_layers
 from snowsim.echogram import Kind, Scene, to_uint8
 from snowsim.labels import draw_scene, prepare
 from snowsim.phy import mean_power
@@ -16,10 +18,12 @@ from snowsim.snowpack import Climate, Radar, simulate
 from snowsim.statistics import Variation, changed, varied
 
 # One in so many variants is the flight itself.
-EVERY = 5
+EVERY = 3
 # Mean power of a layer, over all other power at its place, from which it is labelled [dB]: the
 # layer then raises it by .5 dB. On tuning flights this is better than -6 dB.
 SEEN_DB = -9.0
+# Labels end where layers rise less than this over the snow above, as the reference's truth does.
+VISIBLE_DB = Settings().picks.visible_db
 
 
 @dataclass(frozen=True)
@@ -96,7 +100,7 @@ def firn_scene(name, climate, radar, *, n_range_lines, rng):
     layer_bins = (layers["peak_twtt"].values - float(echogram["twtt"][0])) / radar.bin_s
     own = 10 ** (layers["power_db"].values / 10)
     # Speckle of all range lines: the mean is known to 3 % at four looks.
-    seen = stands_out(own, at_layers(power, layer_bins) - own)
+    seen = seen_layers(own, power, layer_bins)
     image, noise_floor_db, maximum_db = to_uint8(power)
     return Scene(
         name=name,
@@ -156,16 +160,12 @@ def on_lines(scene, lines):
 
 
 def labelled(scene):
-    """The scene with those layers labelled that stand above all else at their place, see `SEEN_DB`.
-
-    Else are the noise, unpicked snow and the tails of other layers: where the surface's tail is
-    long, a layer within it cannot be seen, and a network would learn to pick one in every tail.
-    """
+    """The scene with those layers labelled that can be seen, see `seen_layers`."""
     echoes = scene.echoes
     shapes = (echoes.power, echoes.variance_bins2, echoes.decay_rate)
     power = mean_power(echoes.bins, *shapes, scene.n_range_bins) + echoes.noise_power
     own = echoes.power[echoes.kind == Kind.LAYER]
-    seen = stands_out(own, at_layers(power, scene.layer_bins) - own)
+    seen = seen_layers(own, power, scene.layer_bins)
     layer_bins = np.where(seen[:, None], scene.layer_bins, np.nan)
     return dataclasses.replace(scene, layer_bins=layer_bins)
 
@@ -176,12 +176,17 @@ def at_layers(power, layer_bins):
     return power[row, np.arange(row.shape[1])]
 
 
-def stands_out(own, others):
-    """Whether layers stand above all else by their mean power, (layer,); the surface does.
+def seen_layers(own, power, layer_bins):
+    """Whether layers can be seen, (layer,): they stand out, down to where they fade.
 
-    `own` and `others` are the power of each and that of all else at its place, (layer, range_line).
+    A layer stands out by `SEEN_DB` above all else at its place: the noise, unpicked snow and the
+    tails of other layers. Where the surface's tail is long, a layer within it cannot be seen, and a
+    network would learn to pick one in every tail. They end by `VISIBLE_DB`. `own` is the mean power
+    of each, (layer, range_line), `power` that of the scene, (range_bin, range_line).
     """
+    others = at_layers(power, layer_bins) - own
     seen = own.mean(axis=1) >= 10 ** (SEEN_DB / 10) * others.mean(axis=1)
+    seen[len(visible_layers(power, layer_bins, VISIBLE_DB)) :] = False
     seen[0] = True
     return seen
 
