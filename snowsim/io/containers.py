@@ -129,7 +129,8 @@ def opened(path, content=None):
             return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
         if content[USER_BLOCK_BYTES:].startswith(HDF5):
             check_heaps(content)
-            file = h5py.File(BytesIO(content))
+            # Not by a file of Python: where an error keeps it, HDF5 closes it after Python ended.
+            file = h5py.File.in_memory(content)
             return Stored(path, frozenset(file), partial(_read_mat73, file))
         order = BYTE_ORDERS.get(content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES])
         if order is None:

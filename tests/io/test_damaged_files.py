@@ -309,6 +309,19 @@ def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):
     refused(SceneSet, path, "HDF5: expected heaps that hold their objects")
 
 
+def test_a_file_that_outlives_python_does_not_crash_at_its_end(tmp_path):
+    path = tmp_path / "a.mat"
+    formats.write_mat73(path, {"Data": np.zeros((3, 4))})
+    held = f"opened({str(path)!r})"
+    code = f"""
+import threading, time
+from snowsim.io.containers import opened
+threading.Thread(target=lambda held: time.sleep(60), args=({held},), daemon=True).start()
+"""
+    command = [sys.executable, "-c", code]
+    assert subprocess.run(command, timeout=60, check=False).returncode == 0
+
+
 if __name__ == "__main__":
     # The child process: reads every file of a folder, tells each outcome on a line of its own.
     resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
