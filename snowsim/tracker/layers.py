@@ -58,16 +58,6 @@ def confidence(piece, n_lines, coefficients):
     return expit(offset + near * of_near + far * of_far)
 
 
-def likely(pieces, n_lines, coefficients):
-    """Pieces whose picks are in the mean rather right than wrong, and how sure these are: lists.
-
-    What a person would have to delete more often than not is no pick.
-    """
-    sure = [confidence(piece, n_lines, coefficients) for piece in pieces]
-    kept = [number for number, each in enumerate(sure) if each.mean() >= QUALITY[1]]
-    return [pieces[number] for number in kept], [sure[number] for number in kept]
-
-
 def half_width_rows(sure):
     """Rows to either side of a pick that hold nine of ten layers, where there is one."""
     return np.interp(sure, SURE, HALF_WIDTH_ROWS)

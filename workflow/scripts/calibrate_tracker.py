@@ -6,9 +6,9 @@ import pandas as pd
 from job import job, progress
 
 from lib.tracker_scores import read_tracker
-from pretrained.confidence import fit_confidence, pick_curve, threshold_of
+from pretrained.confidence import fit_confidence
 from pretrained.resizing import scenes_in_bins
-from pretrained.scores import Calibrated, followed, reliability_of
+from pretrained.scores import Calibrated, followed, pick_curve, reliability_of, threshold_of
 from snowsim.io.files import write_table
 from snowsim.tracker import calibrate, fused_logits, reliability, ridges_of
 
