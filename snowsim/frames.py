@@ -66,11 +66,10 @@ def align_layers(layers, echogram, where="layers"):
     nearest = pd.Index(theirs_s).get_indexer(ours_s, method="nearest")
     picked = layers.transpose("layer", ...)
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
-    away_s = np.abs(ours_s - theirs_s[nearest])
-    twtt[:, away_s > REACH * spacing_s] = np.nan
+    away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
     # Where a line of theirs is, its own value, though a neighbour may be missing.
-    same = away_s < SAME_LINE * spacing_s
-    twtt[:, same] = picked["twtt"].values[:, nearest[same]]
+    twtt = np.where(away < SAME_LINE, picked["twtt"].values[:, nearest], twtt)
+    twtt[:, away > REACH] = np.nan
     if "Elevation" in layers:
         their_m = np.interp(ours_s, theirs_s, layers["Elevation"].values)
         rise_m = echogram["Elevation"].values - their_m

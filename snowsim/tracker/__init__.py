@@ -25,7 +25,7 @@ MODULES = {
     "card": ("CONFIDENCE", "Card", "checked_card", "make_card"),
     "inputs": ("canonical",),
     "joining": ("join",),
-    "layers": ("between_lines", "confidence", "features", "half_width_rows", "on_lines"),
+    "layers": ("between_lines", "confidence", "features", "half_width_rows", "likely", "on_lines"),
     "linking": ("Candidates", "Linking", "Piece", "find_candidates", "link"),
     "network": ("MultiScaleNetwork", "balanced_cross_entropy", "fused_logits", "track"),
     "picks": (

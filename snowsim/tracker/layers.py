@@ -17,6 +17,8 @@ GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
 # Confidence from which a pick is good, and moderate.
 QUALITY = (0.8, 0.5)
+# Mean confidence of a piece, below which leaving it out raises F on tuning flights.
+LEAST_CONFIDENCE = 0.4
 # A line whose largest power lies so far below that of the frame's middle line was flown in a roll,
 # or recorded nothing.
 FADE_DB = 6.0
@@ -56,6 +58,13 @@ def confidence(piece, n_lines, coefficients):
     offset, near, far = coefficients
     of_near, of_far = features(piece, n_lines)
     return expit(offset + near * of_near + far * of_far)
+
+
+def likely(pieces, n_lines, coefficients):
+    """Pieces of `LEAST_CONFIDENCE` or more in the mean, and the confidence of their picks, lists."""
+    sure = [confidence(piece, n_lines, coefficients) for piece in pieces]
+    kept = [number for number, each in enumerate(sure) if each.mean() >= LEAST_CONFIDENCE]
+    return [pieces[number] for number in kept], [sure[number] for number in kept]
 
 
 def half_width_rows(sure):

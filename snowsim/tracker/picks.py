@@ -10,7 +10,7 @@ from snowsim.echogram import crossing_layers
 from snowsim.limits import check_values
 from snowsim.tracker.inputs import Canonical
 from snowsim.tracker.joining import downwards, join
-from snowsim.tracker.layers import confidence, layers_of_frame, on_lines
+from snowsim.tracker.layers import confidence, layers_of_frame, likely, on_lines
 from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
@@ -145,8 +145,12 @@ def layers_of_frames(frames, card):
     Layer 0 is the surface, layer i the same in every frame; a frame holds those picked in it.
     """
     candidates = Candidates.concatenated([frame.candidates for frame in frames])
-    pieces = [_surface(frames), *join(link(candidates, LINKING, card.threshold_log_odds))]
-    sure = [confidence(piece, candidates.n_lines, card.confidence) for piece in pieces]
+    n_lines = candidates.n_lines
+    found = join(link(candidates, LINKING, card.threshold_log_odds))
+    pieces, sure = likely(found, n_lines, card.confidence)
+    surface = _surface(frames)
+    pieces.insert(0, surface)
+    sure.insert(0, confidence(surface, n_lines, card.confidence))
     layers = []
     first_line = 0
     for frame in frames:

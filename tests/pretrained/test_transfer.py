@@ -1,7 +1,5 @@
 """Flights that the shipped tracker never saw: which they are, and how it is scored on them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import torch
@@ -10,23 +8,18 @@ from refusals import refusal
 from runs import CONFIG
 from toy_scenes import logits_at, toy_scenes, with_ridges
 
-from pretrained.confidence import fit_confidence
+from pretrained.confidence import THRESHOLDS, fit_confidence, pick_curve, threshold_of
 from pretrained.resizing import resized
 from pretrained.scores import (
-    EVIDENCE,
-    F_KNOWN_TO,
-    THRESHOLDS,
     Calibrated,
     followed,
     on_pixels,
-    pick_curve,
     pick_scores,
     reliability_of,
     score_tracker,
-    threshold_of,
 )
 from pretrained.transfer import check_flights, reference_of, scale_of
-from snowsim.tracker import Calibration, Linking, fused_logits
+from snowsim.tracker import Calibration, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]
 UNSEEN = CONFIG["studies"]["transfer"]["flights"]
@@ -91,26 +84,34 @@ def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
     assert curve.n_pixels.sum() == sure.size
 
 
-def test_of_thresholds_with_good_picks_that_one_is_taken_with_fewest_false_pieces():
+def test_that_threshold_is_taken_whose_picks_have_the_best_f():
     scenes = toy_scenes(4)
     # Beside the layers stand ridges a third as high, ten bins lower, in every scene.
     logits = [np.maximum(logits_at(each), logits_at(each, 10.0) / 3) for each in scenes]
     curve = pick_curve(logits, scenes, SURE)
-    assert len(curve) == len(THRESHOLDS) * len(EVIDENCE)
-    as_linked = curve[curve["evidence_log_odds"] == Linking().evidence_log_odds]
-    taken = as_linked.set_index("threshold").loc[threshold_of(curve)]
-    assert taken["f"] >= as_linked["f"].max() - F_KNOWN_TO
-    better = as_linked[as_linked["false_share"] < taken["false_share"]]
-    assert (better["f"] < as_linked["f"].max() - F_KNOWN_TO).all()
-    # More is missed and less is false as a chain must gather more.
-    by_evidence = curve.groupby("evidence_log_odds")[["missed_share", "false_share"]].mean()
-    assert by_evidence["missed_share"].is_monotonic_increasing
-    assert by_evidence["false_share"].is_monotonic_decreasing
-    # The table says of the package's linking what scores of picks say.
-    tracker = Calibrated(None, replace(SURE, threshold=0.5))
+    assert len(curve) == len(THRESHOLDS)
+    by_threshold = curve.set_index("threshold")["f"]
+    assert by_threshold[threshold_of(curve)] == by_threshold.max()
+    tracker = Calibrated(None, SURE, fit_confidence(logits, scenes, SURE))
     picks = [followed(each, tracker, each.shape) for each in logits]
-    expected = pick_scores(picks, scenes)["f"]
-    assert_allclose(as_linked.set_index("threshold")["f"][0.5], expected, rtol=1e-12)
+    assert_allclose(by_threshold[SURE.threshold], pick_scores(picks, scenes)["f"], rtol=1e-12)
+
+
+def test_pieces_of_little_confidence_are_left_out():
+    scenes = toy_scenes(6)
+    # Beside the layers stand ridges a quarter as high, ten bins lower.
+    logits = [np.maximum(logits_at(each), logits_at(each, 10.0) / 4) for each in scenes]
+    found = fit_confidence(logits, scenes, SURE)
+    of_all, of_likely = (
+        pick_scores(
+            [followed(each, Calibrated(None, SURE, coefficients), each.shape) for each in logits],
+            scenes,
+        )
+        for coefficients in ((10.0, 0.0, 0.0), found)
+    )
+    assert of_all["false_share"] > 0.5
+    assert of_likely["false_share"] < 0.1
+    assert of_likely["missed_share"] < 0.1
 
 
 class Brightness(torch.nn.Module):

@@ -1,11 +1,17 @@
-"""Confidence of picks, fitted where every layer is annotated."""
+"""Confidence and threshold of picks, fitted where every layer is annotated."""
+
+import dataclasses
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import minimize
 
-from pretrained.scores import pieces_of
+from pretrained.scores import Calibrated, followed, pick_scores, pieces_of
 from snowsim.limits import check_count
 from snowsim.tracker import features, near_a_layer
+
+# Probabilities at which picks are scored to choose the threshold.
+THRESHOLDS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 
 
 def fit_confidence(logits, scenes, calibration):
@@ -35,3 +41,19 @@ def fit_coefficients(seen, hits):
     # Where all are hits, or none, the best offset lies at infinity: limits keep it finite.
     found = minimize(surprise, np.zeros(3), method="L-BFGS-B", bounds=[(-10.0, 10.0)] * 3)
     return tuple(float(value) for value in found.x)
+
+
+def pick_curve(logits, scenes, calibration):
+    """Table of `pick_scores` by `threshold`, each with a confidence of its own."""
+    rows = []
+    for threshold in THRESHOLDS:
+        at = dataclasses.replace(calibration, threshold=threshold)
+        tracker = Calibrated(None, at, fit_confidence(logits, scenes, at))
+        picks = [followed(each, tracker, each.shape) for each in logits]
+        rows.append({"threshold": threshold} | pick_scores(picks, scenes))
+    return pd.DataFrame(rows)
+
+
+def threshold_of(curve):
+    """Threshold of the best F."""
+    return float(curve.loc[curve["f"].idxmax(), "threshold"])

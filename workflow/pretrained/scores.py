@@ -17,25 +17,16 @@ from snowsim.tracker import (
     CONFIDENCE,
     WITHIN_BINS,
     Calibration,
-    Linking,
     between_lines,
-    confidence,
     edge_counts,
-    find_candidates,
     fused_logits,
     join,
-    link,
+    likely,
     near_a_layer,
     on_lines,
     pieces_in,
     reliability,
-    rows_of,
 )
-
-# Probabilities, and what a chain must gather, that picks are scored at to choose the threshold.
-THRESHOLDS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
-EVIDENCE = (40.0, 55.0, 70.0, 90.0)
-F_KNOWN_TO = 0.005  # of the scenes that choose
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +81,8 @@ def followed(logits, tracker, shape):
     own_lines = np.linspace(0, n_lines - 1, shape[1])
     bins = []
     sure = []
-    for piece in pieces_of(logits, tracker.calibration):
-        of_piece = confidence(piece, n_lines, tracker.confidence)
+    found = pieces_of(logits, tracker.calibration)
+    for piece, of_piece in zip(*likely(found, n_lines, tracker.confidence), strict=True):
         own_row = resized_rows(on_lines(piece, piece.row, lines), n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
         sure.append(between_lines(on_lines(piece, of_piece, lines), own_lines))
@@ -138,31 +129,6 @@ def score_tracker(tracker, scenes, scale):
     scores |= pick_scores(picks, scenes)
     scores["deviation"] = reliability_of(picks, scenes, scale).deviation
     return scores
-
-
-def pick_curve(logits, scenes, calibration):
-    """Table of `pick_scores` by `threshold` and `evidence_log_odds`, on annotated scenes."""
-    rows = []
-    for evidence in EVIDENCE:
-        linking = Linking(evidence_log_odds=evidence)
-        for threshold in THRESHOLDS:
-            level = float(logit(threshold))
-            picks = []
-            for each in logits:
-                log_odds = (each - calibration.offset) / calibration.temperature
-                pieces = link(find_candidates(log_odds, linking, level), linking, level)
-                bins = rows_of(join(pieces), each.shape[1])
-                picks.append(Picks(bins, np.ones_like(bins)))
-            at = {"threshold": threshold, "evidence_log_odds": evidence}
-            rows.append(at | pick_scores(picks, scenes))
-    return pd.DataFrame(rows)
-
-
-def threshold_of(curve):
-    """Threshold of fewest false pieces among those of the best F, as the package links them."""
-    as_linked = curve[curve["evidence_log_odds"] == Linking().evidence_log_odds]
-    best = as_linked[as_linked["f"] >= as_linked["f"].max() - F_KNOWN_TO]
-    return float(best.loc[best["false_share"].idxmin(), "threshold"])
 
 
 def pick_scores(picks, scenes):

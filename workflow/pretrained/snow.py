@@ -34,7 +34,8 @@ RIDGE_BINS = 2.0
 EVEN_STRENGTH = 0.5
 
 
-UNTRAINED = Calibrated(None, Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0))
+# All that is linked is kept: nothing says how sure it is.
+UNTRAINED = Calibrated(None, Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0), (10.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)

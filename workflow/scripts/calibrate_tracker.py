@@ -6,14 +6,11 @@ import pandas as pd
 from job import job, progress
 
 from lib.tracker_scores import read_tracker
-from pretrained.confidence import fit_confidence
+from pretrained.confidence import fit_confidence, pick_curve, threshold_of
 from pretrained.resizing import scenes_in_bins
-from pretrained.scores import Calibrated, followed, pick_curve, reliability_of, threshold_of
+from pretrained.scores import Calibrated, followed, reliability_of
 from snowsim.io.files import write_table
 from snowsim.tracker import calibrate, fused_logits, reliability, ridges_of
-
-# One scene in so many tells the threshold: F is known to .005.
-ONE_IN = 4
 
 with job(snakemake):
     network = read_tracker(snakemake.input.network).network
@@ -24,7 +21,7 @@ with job(snakemake):
     curve = reliability(calibration.probability(ridges.logits), ridges.hits)
     write_table(snakemake.output.reliability, pd.DataFrame(vars(curve)))
 
-    curve = pick_curve(logits[::ONE_IN], held[::ONE_IN], calibration)
+    curve = pick_curve(logits, held, calibration)
     calibration = dataclasses.replace(calibration, threshold=threshold_of(curve))
     write_table(snakemake.output.curve, curve)
     write_table(snakemake.output.calibration, pd.DataFrame([dataclasses.asdict(calibration)]))
