@@ -61,7 +61,7 @@ def confidence(piece, n_lines, coefficients):
 
 
 def likely(pieces, n_lines, coefficients):
-    """Pieces of `LEAST_CONFIDENCE` or more in the mean, and the confidence of their picks, lists."""
+    """Pieces of `LEAST_CONFIDENCE` or more in the mean, and how sure their picks are, two lists."""
     sure = [confidence(piece, n_lines, coefficients) for piece in pieces]
     kept = [number for number, each in enumerate(sure) if each.mean() >= LEAST_CONFIDENCE]
     return [pieces[number] for number in kept], [sure[number] for number in kept]
