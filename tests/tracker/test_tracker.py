@@ -218,7 +218,7 @@ def test_single_look_drone_radar_keeps_its_surface_and_has_no_picks_below_the_gr
     # Rows of `seen` begin elsewhere; surfaces tell where.
     shift = np.nanmedian(seen["surface"] - surface / bin_s)
     rows = found["twtt"].values / bin_s
-    assert np.nanmax(rows - (seen["ground"] - shift)) < 40
+    assert np.nanmax(rows - (seen["ground"] - shift)) < 20
     picked = np.isfinite(rows)
     assert picked[1:].any()
     assert not (found["quality"].values[picked] == 1).any()
