@@ -158,7 +158,7 @@ rule pretrained:
         rules.ship_tracker.output,
         rules.calibrate_pretrained.output,
     message:
-        "the tracker that comes with the package, with its card: about 1.8 h of one core"
+        "the tracker that comes with the package, with its card: about 1 h of one core"
 
 
 rule score_transfer:
