@@ -556,8 +556,8 @@ def track(files, folder, **options):
     "--year",
     "years",
     multiple=True,
-    required=True,
-    help="Of the first layer that is used, 2011, or of a layer, snow_3=2008; may be repeated.",
+    help="Of the first layer that is used, 2011, or of a layer, snow_3=2008; may be repeated. By "
+    "default years are counted from the last autumn before the flight.",
 )
 @click.option(
     "--annual/--count",
@@ -590,9 +590,9 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
 
     \b
     Examples:
-      snowsim accumulation picked/*_layers.nc -o accumulation.csv --year 2011
+      snowsim accumulation picked/*_layers.nc -o accumulation.csv
       snowsim accumulation picked/*_layers.nc -o a.nc --year snow_3=2008 --density core.csv
-      snowsim accumulation one_layers.nc -o a.gpkg --year 2011 --png --echogram one.nc
+      snowsim accumulation one_layers.nc -o a.gpkg --png --echogram one.nc
     """  # noqa: D205, D301
     from snowsim.io import open_segment, read_echogram
     from snowsim.io.files import write_dataset, write_table
@@ -651,7 +651,9 @@ def density_of(text, how):
 
 
 def year_of(texts):
-    """Year of the first horizon, or of layers by name, as an option tells them."""
+    """Year of the first horizon, or of layers by name, as an option tells them; None if none."""
+    if not texts:
+        return None
     if len(texts) == 1 and "=" not in texts[0]:
         return click.INT(texts[0])
     named = (text.partition("=") for text in texts)

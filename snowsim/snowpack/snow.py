@@ -15,6 +15,7 @@ SURFACE = "surface"
 # Density at the surface where none is given: with it, Herron & Langway's firn agrees below 1 m to 3
 # % with the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
+SNOW_YEAR = "Y-AUG"  # pandas' name of years that end with August, when a new horizon is there
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
 N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
 TYPICAL_LINES = 601  # range lines, whose median mass of a year is the typical one in the middle
@@ -38,6 +39,7 @@ IMPOSSIBLE = -30.0  # log-likelihood of a negative number of years
 THIN = 0.4
 THICK = 1.7
 CONTRADICTION = 4  # factor of mass, likewise, from which on years of names are refused
+MISCOUNT = 0.5  # years above the first horizon, or their error, from which on a warning says so
 LONG_YEARS = 12  # number of years between two picks from which on a warning says so
 DENSITY_SD_KG_M3 = 30.0  # of a year's snow about the profile: cores, 18-39
 N_TIMES = 500  # travel times at which depth is tabulated
@@ -49,7 +51,7 @@ def accumulation(
     layers,
     density=None,
     *,
-    year,
+    year=None,
     annual=None,
     temperature_k=None,
     density_error=0.05,
@@ -67,9 +69,11 @@ def accumulation(
         Density of the snow [kg m-3], 50 to 917; or a profile of density, below whose end no pick is
         used. By default density grows from 340 by Herron & Langway (1980), under the mean
         accumulation found here.
-    year : int or mapping of str to int
+    year : int or mapping of str to int, optional
         Year of the first layer below the surface that is used, or years of layers by name:
-        ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year.
+        ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year. By default the
+        newest horizon is of the last autumn before the first range line, from September on of the
+        same year, and years above the first layer are counted, too.
     annual : bool, optional
         Whether every layer is one autumn horizon, and none is missing; else years are counted. By
         default annual where layers have no `confidence`: a person picked them.
@@ -135,6 +139,9 @@ def accumulation(
         raise ValueError(msg)
     check_values("density_error", density_error, 0, 1)
     annual = "confidence" not in layers if annual is None else annual
+    if year is None:
+        flown = layers.get_index("slow_time")[0].to_period(SNOW_YEAR)
+        year = {picks.names[0]: flown.year}
     firn = {}
     if density is None or temperature_k is not None:
         density = SURFACE_DENSITY_KG_M3 if density is None else density
@@ -196,7 +203,7 @@ def _picks(layers, least_confidence):
 class _Dated:
     """Ages of horizons, and the spans between each and the next above it on the same range line.
 
-    `newest` is the year of the first horizon, above which lie `open_years` typical ones; `age`
+    `newest` is the year of age 0; `open_years` typical ones lie above the first horizon; `age`
     (layer,) is how many years a layer is older, -1 for the surface, and `error` the expected
     miscount of that. On (layer, range_line): `above` is the layer that bounds a span from above, 0
     for the surface, -1 where there is none; `span_m` its mass [m w.e.], `n_years` its number of
@@ -257,7 +264,7 @@ def _dated(water_m, picks, year, annual):
 def _given(names, year):
     """Years by the number of the layer that is named so, downwards."""
     given = {layer: year[name] for layer, name in enumerate(names) if name in year}
-    if not len(given) == len(year) > 0 or 0 in given or (np.diff(list(given.values())) >= 0).any():
+    if not len(given) == len(year) > 0 or (np.diff(list(given.values())) >= 0).any():
         msg = f"year: expected names of layers with picks, {', '.join(names[1:])}, and years "
         msg += f"that fall from each to the next, found {year}"
         raise ValueError(msg)
@@ -266,17 +273,15 @@ def _given(names, year):
 
 def _in_order(n_layers, given):
     """Years of all layers, each a year older than the one above it, but for those given."""
-    layers = list(given)
-    more = -np.diff(list(given.values())) - np.diff(layers)
-    if more[np.diff(layers) > 1].any():
+    layers, years = np.array(list(given.items())).T
+    more = -np.diff(layers + years)
+    if (np.diff(layers)[more != 0] > 1).any():
         msg = f"year: expected as many years from name to name as layers, found {more} more: name "
         msg += "every layer, or count years"
         raise ValueError(msg)
-    step = np.ones(n_layers, dtype=int)
-    step[layers[1:]] += more
-    age = np.cumsum(step)
-    years = given[layers[0]] + age[layers[0]] - age
-    return dict(enumerate(years[1:], start=1))
+    every = np.arange(n_layers)
+    every_year = np.interp(every, layers, layers + years).astype(int) - every
+    return dict(enumerate(every_year[1:], start=1))
 
 
 def _check_years(years, given):
@@ -331,8 +336,9 @@ def _vote(years, doubt, older, first):
     """Age of layers, the layer above each pick, and the expected miscount of ages.
 
     Layers are dated from the first down, by the mass in typical years (layer, range_line) since the
-    last horizon on each range line; some are known to be years `older` than the `first` of these. A
-    layer of no horizon has the age of the one above it; it bounds no span.
+    last horizon on each range line; some are known to be years `older` than the `first` of these.
+    The first is the newest horizon, but where this is known of the surface. A layer of no horizon
+    has the age of the one above it; it bounds no span.
     """
     age = np.full(len(years), -1)
     above = np.full(years.shape, -1)
@@ -354,7 +360,7 @@ def _vote(years, doubt, older, first):
         if below > 0:
             n_below = age[first] + older[deeper] - ages
             share = share * np.exp(_log_likelihood(below, n_below, KNOWN_DOUBT))
-        age[layer] = ages[share.argmax()] if layer > 1 else 0
+        age[layer] = ages[share.argmax()] if layer > 1 or first == 0 else 0
         if layer in older and layer > first:
             age[layer] = age[first] + older[layer]
         expected = share @ np.abs(ages - age[layer]) / share.sum()
@@ -382,12 +388,14 @@ def _ages(ratio, upper_age, doubt):
 
 def _warn(picks, dated):
     """Say what may shift every date, and that a span has very many years."""
-    shifts = f"{picks.names[1]}, the first horizon: every date is a year too late for each that is"
+    first = f"above {picks.names[1]}, the first horizon, taken for that of "
+    first += f"{dated.newest - dated.age[1]}: a year off shifts every date"
     longest = dated.n_years[dated.whole].max()
-    missing = dated.open_years > THICK and dated.error[1] > 0
     said = {
-        f"faint {', '.join(picks.left_out)} left out above {shifts} one": picks.left_out,
-        f"snow of {dated.open_years:.2g} typical years lies above {shifts} missing": missing,
+        f"faint {', '.join(picks.left_out)} left out {first}": picks.left_out,
+        f"snow of {dated.open_years:.2g} typical years lies {first}": (
+            max(dated.age[1], dated.error[1]) >= MISCOUNT
+        ),
         f"up to {longest:g} years lie between two picks, and have one mean": longest > LONG_YEARS,
     }
     for text, is_so in said.items():

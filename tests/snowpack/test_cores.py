@@ -74,10 +74,10 @@ def dated(year_m, picked=None, first=0.6, named=False, **options):
     if picked is not None:
         water_m = water_m[picked]
         true = true[picked]
-    year = NEWEST - int(true[0])
+    options = {"year": NEWEST - int(true[0])} | options
     if named:
-        year = {f"snow_{n}": NEWEST - int(age) for n, age in enumerate(true, start=1)}
-    result = accumulation(layers_of(water_m), DENSITY, year=year, **options).isel(slow_time=0)
+        options["year"] = {f"snow_{n}": NEWEST - int(age) for n, age in enumerate(true, start=1)}
+    result = accumulation(layers_of(water_m), DENSITY, **options).isel(slow_time=0)
     rows = result.drop_dims("below_s").to_dataframe().dropna(subset="depth_m")
     depth_m = 1000 * water_m / DENSITY
     found = np.full(true.size, np.nan)
@@ -116,6 +116,15 @@ def test_where_every_layer_is_a_year_all_are_dated_rightly(cores):
 @pytest.mark.parametrize("annual", [True, False])
 def test_no_core_is_shifted_where_the_snow_above_the_first_horizon_is_thin(cores, first, annual):
     assert all(dated(core, first=first, annual=annual).found[0] == 0 for core in cores)
+
+
+def test_without_a_year_a_first_horizon_that_is_missing_is_counted(cores):
+    # Flown half a year after the autumn of 2011; without the newest horizon, or the two newest.
+    for missing, right in ((0, 1), (1, 0.95), (2, 0.5)):
+        picked = np.arange(MOST_YEARS + 1) >= missing
+        dates = [dated(core, picked[: core.size + 1], year=None, annual=False) for core in cores]
+        assert np.mean([each.found[0] == each.true[0] for each in dates]) >= right
+        assert all(each.inside[0] for each in dates)
 
 
 def test_counted_years_are_right_within_their_error(cores):

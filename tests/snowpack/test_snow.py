@@ -132,7 +132,7 @@ def test_a_faint_layer_in_the_tail_of_the_surface_is_left_out_and_said_to_be(yea
     tail = below_s(np.full((1, N_LINES), 0.06))
     layers = layers_of(np.vstack([tail, below_s(water_of(year_m))]))
     layers["confidence"][1] = np.where(np.arange(N_LINES) < 100, 0.6, 0.3)
-    with pytest.warns(UserWarning, match="faint snow_1 left out above snow_2"):
+    with pytest.warns(UserWarning, match="faint snow_1 left out above snow_2, .*that of 2011: "):
         found = accumulation(layers, DENSITY, year=2011)
     assert found.attrs["uppermost"] == "snow_2=2011"
     assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
@@ -157,6 +157,28 @@ def test_a_first_horizon_that_may_be_missing_is_said_and_makes_ages_uncertain(ye
     assert (np.ceil(found["age_error_years"].sel(year=2011)) >= 2).all()
     named = accumulation(layers, DENSITY, year={"snow_1": 2009})
     assert (named["age_error_years"].sel(year=2009) == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("flown", "newest"), [("2012-03-30", 2011), ("2011-08-31", 2010), ("2011-11-10", 2011)]
+)
+def test_without_a_year_the_newest_horizon_is_of_the_last_autumn(year_m, flown, newest):
+    layers = layers_of(below_s(water_of(year_m)))
+    layers["slow_time"] = layers["slow_time"] + (np.datetime64(flown) - np.datetime64("2012-03-30"))
+    for annual in (True, False):
+        found = accumulation(layers, DENSITY, annual=annual)
+        assert_array_equal(found["year"], newest - np.arange(10))
+        assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
+
+
+def test_without_a_year_horizons_above_the_first_layer_are_counted(year_m):
+    layers = layers_of(below_s(water_of(year_m)[1:]))
+    with pytest.warns(UserWarning, match="lies above snow_1, the first horizon, .*that of 2010: "):
+        found = accumulation(layers, DENSITY)
+    assert_allclose(found["accumulation_m_we"].sel(year=2010), year_m[2], rtol=1e-9)
+    # The mass above layers is of whole years, too.
+    assert found["accumulation_m_we"].sel(year=2011).isnull().all()
+    assert found["open_m_we"].isnull().all()
 
 
 def test_a_doubtful_count_is_flagged_there_and_deeper_ages_are_half_a_year_uncertain():
@@ -342,7 +364,7 @@ def files(tmp_path, year_m):
 
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
-    main(["accumulation", *files, "-o", str(path), "--year", "2011", "--density", "400", "--png"])
+    main(["accumulation", *files, "-o", str(path), "--density", "400", "--png"])
     expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; no horizons: none; 0 picks"
     assert expected in capsys.readouterr().out
     rows = pd.read_csv(path)
