@@ -338,7 +338,7 @@ def write_layers(path, layers, *, force=False):
 def refuse_existing(path):
     """Refuse to write over a file that is there."""
     if Path(path).exists():
-        raise refusal(path, "file", "none to be there, or force", "one")
+        raise refusal(path, "file", "none, or --force (force=True) to write over it", "one")
 
 
 def _frame_content(segment, layers, n_layers):

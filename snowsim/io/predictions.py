@@ -70,7 +70,8 @@ def _by_name(folder, order, endings):
     paths = {path.stem: path for path in held}
     twice = [path.name for path in held if paths[path.stem] != path]
     if twice or not folder.is_dir():
-        raise refusal(folder, "path", "a folder of files whose names differ", listed(twice))
+        found = listed(twice) if twice else "no folder"
+        raise refusal(folder, "path", "a folder of files whose names differ", found)
     files = {}
     for stem in sorted(paths, key=lambda stem: order.index(NAME.fullmatch(stem)[1])):
         files.setdefault(_name(paths[stem]), paths[stem])
@@ -124,7 +125,8 @@ def read_picks(path, bin_s=None):
         return Picks(layers["row"].values)
     if bin_s is None:
         raise refusal(path, "twtt", "bin_s (--bin-s), the echogram's range bin in seconds", "none")
-    return Picks(layers["twtt"].values / bin_s, layers["slow_time"].values)
+    twtt = layers.get("peak_twtt", layers["twtt"])  # a simulated layer's echo peaks below it
+    return Picks(twtt.values / bin_s, layers["slow_time"].values)
 
 
 def read_labels(path, shape=None, image=None, stored=None):

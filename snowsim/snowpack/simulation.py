@@ -28,9 +28,9 @@ from snowsim.snowpack.physical import (
     physical_parameters,
 )
 
-# A flight due north.
-START = np.datetime64("2000-01-01", "ns")
-FIRST_GRANULE = "20000101_01_001"
+# A flight due north at the end of a snow year: a whole one lies above a climate's first horizon.
+START = np.datetime64("2000-08-31", "ns")
+FIRST_GRANULE = "20000831_01_001"
 SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0

@@ -15,7 +15,8 @@ SURFACE = "surface"
 # Density at the surface where none is given: with it, Herron & Langway's firn agrees below 1 m to 3
 # % with the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
-SNOW_YEAR = "Y-AUG"  # pandas' name of years that end with August, when a new horizon is there
+SNOW_YEAR = pd.DateOffset(months=4)  # from September on a new autumn horizon is there
+YEAR_DAYS = 366
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
 N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
 TYPICAL_LINES = 601  # range lines, whose median mass of a year is the typical one in the middle
@@ -139,9 +140,7 @@ def accumulation(
         raise ValueError(msg)
     check_values("density_error", density_error, 0, 1)
     annual = "confidence" not in layers if annual is None else annual
-    if year is None:
-        flown = layers.get_index("slow_time")[0].to_period(SNOW_YEAR)
-        year = {picks.names[0]: flown.year}
+    year = {picks.names[0]: picks.flown.year} if year is None else year
     firn = {}
     if density is None or temperature_k is not None:
         density = SURFACE_DENSITY_KG_M3 if density is None else density
@@ -166,7 +165,7 @@ class _Picks:
 
     On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
     `doubt` the probability that no layer lies there. `left_out` are names of layers above the first
-    that is used.
+    that is used; `flown` is the time of the first range line, in years that begin with September.
     """
 
     names: list
@@ -174,6 +173,7 @@ class _Picks:
     error_s: np.ndarray
     doubt: np.ndarray
     left_out: list
+    flown: pd.Timestamp
 
 
 def _picks(layers, least_confidence):
@@ -196,7 +196,8 @@ def _picks(layers, least_confidence):
     used[0] = True
     kept = np.flatnonzero(used)
     values = (each.values[kept] for each in (below, error, doubt))
-    return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()])
+    flown = layers.get_index("slow_time")[0] + SNOW_YEAR
+    return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()], flown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,9 +235,10 @@ def _dated(water_m, picks, year, annual):
     older = {layer: known[first] - value for layer, value in known.items()}
     doubt = picks.doubt.copy()
     doubt[list(given)] = KNOWN_DOUBT
+    elapsed = picks.flown.day_of_year / YEAR_DAYS
     typical_m = _first_typical(water_m[1:])
     for _ in range(N_ROUNDS):
-        age, above, miscount = _vote(water_m / typical_m, doubt, older, first)
+        age, above, miscount = _vote(water_m / typical_m, doubt, older, first, elapsed)
         whole = above > 0
         span_m = water_m - np.take_along_axis(water_m, above, axis=0)
         n_years = np.where(whole, age[:, None] - age[above], np.nan)
@@ -332,13 +334,14 @@ def _log_likelihood(ratio, n_years, doubt):
     return np.select([n_years > 0, n_years == 0], [whole, nothing], IMPOSSIBLE)
 
 
-def _vote(years, doubt, older, first):
+def _vote(years, doubt, older, first, elapsed):
     """Age of layers, the layer above each pick, and the expected miscount of ages.
 
     Layers are dated from the first down, by the mass in typical years (layer, range_line) since the
     last horizon on each range line; some are known to be years `older` than the `first` of these.
-    The first is the newest horizon, but where this is known of the surface. A layer of no horizon
-    has the age of the one above it; it bounds no span.
+    The first is the newest horizon, but where the surface is dated. Of a year, a share has
+    `elapsed` since the last autumn. A layer of no horizon has the age of the one above it; it
+    bounds no span.
     """
     age = np.full(len(years), -1)
     above = np.full(years.shape, -1)
@@ -352,8 +355,9 @@ def _vote(years, doubt, older, first):
         if there.size == 0:
             continue
         upper = last[there]
-        # The snow above the first is half a year on average, or more if a horizon is missing.
-        ratio = own[there] - years[upper, there] if layer > 1 else np.maximum(own[there] + 0.5, 1)
+        # The snow above the first is of the year that has elapsed, or more if a horizon is missing.
+        first_ratio = np.maximum(own[there] + 1 - elapsed, 1)
+        ratio = own[there] - years[upper, there] if layer > 1 else first_ratio
         ages, share = _ages(ratio, age[upper], np.median(doubt[layer, there]))
         deeper = min((n for n in older if n > layer > first), default=layer)
         below = pd.Series(years[deeper] - own).median()
@@ -454,7 +458,7 @@ def _by_year(layers, picks, column, dated, density_error):
 
 def _dataset(layers, rows, dated, column, below_s):
     """Rows as a dataset on (year, slow_time), with positions and times of the layers."""
-    years = np.arange(dated.newest, rows["year"].min() - 1, -1)
+    years = np.arange(rows["year"].max(), rows["year"].min() - 1, -1)
     found = rows.set_index(["year", "line"]).to_xarray()
     found = found.reindex(year=years, line=np.arange(below_s.shape[1]))
     found = found.rename(line="slow_time").assign_coords(slow_time=layers["slow_time"].values)

@@ -85,11 +85,11 @@ def test_layer_files_are_not_overwritten_unless_forced(tmp_path, layers):
     before = frame.read_bytes()
     moved = layers.assign(twtt=layers["twtt"] + 1e-7)
 
-    refused(lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), frame, "none to be there")
+    refused(lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), frame, "none, or --force")
     assert frame.read_bytes() == before
     frame.unlink()
     refused(
-        lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), organizer, "none to be there"
+        lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), organizer, "none, or --force"
     )
     assert not frame.exists()
     write_layer_files(tmp_path, SEGMENT, {1: moved}, force=True)
@@ -141,5 +141,5 @@ def test_layers_as_netcdf_keep_their_confidence_and_bounds(tmp_path, layers):
     back = read_layers(path)
     for name in ("twtt", "confidence", "twtt_low", "twtt_high"):
         assert_array_equal(back[name], layers[name])
-    refused(lambda _: write_layers(path, layers), path, "none to be there")
+    refused(lambda _: write_layers(path, layers), path, "none, or --force")
     write_layers(path, layers, force=True)

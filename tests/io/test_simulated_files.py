@@ -14,7 +14,7 @@ from snowsim.io import read_echogram, read_layers
 
 FRAME = "Data_20120330_04_001.mat"
 NEXT = "Data_20120330_04_002.mat"
-LEAP_SECONDS = 13  # GPS - UTC on 2000-01-01, where simulated flights begin
+LEAP_SECONDS = 13  # GPS - UTC in 2000, where simulated flights begin
 
 
 def simulated(**settings):
@@ -74,8 +74,8 @@ def test_a_frame_after_another_goes_on_in_time_and_place(tmp_path):
 def test_a_number_of_a_frame_goes_on_and_a_name_tells_it(tmp_path):
     first, _ = simulated()
     second, layers = simulated(after=first)
-    assert first.granule == "20000101_01_001"
-    assert second.granule == layers.granule == "20000101_01_002"
+    assert first.granule == "20000831_01_001"
+    assert second.granule == layers.granule == "20000831_01_002"
     written(tmp_path, "Data_20120330_04_007.nc")
     for name in ("Data_20120330_04_007.nc", "Data_20120330_04_007_layers.nc"):
         with xr.open_dataset(tmp_path / name) as stored:

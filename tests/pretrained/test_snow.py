@@ -15,6 +15,8 @@ from pretrained.snow import (
     snow_of_climate,
 )
 
+pytestmark = pytest.mark.filterwarnings("ignore:layers. snow of:UserWarning")
+
 
 @pytest.fixture(scope="module")
 def snows():

@@ -109,7 +109,7 @@ def test_files_that_are_there_stay_unless_by_force(track, tmp_path, frame, lines
     written = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
     assert len(written) == 3
     assert track([path]) == 1
-    assert "expected none to be there, or force, found one" in lines[-1]
+    assert "expected none, or --force (force=True) to write over it, found one" in lines[-1]
     assert track([path], force=True) == 0
     # The same to the byte: NetCDF holds no date, nor do layer files.
     assert {p: p.read_bytes() for p in written} == written
