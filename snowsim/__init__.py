@@ -2,7 +2,7 @@
 
 import lazy_loader
 
-__version__ = "0.4.0"
+__version__ = "0.5.0"
 
 # What people script with, by the module it is in; loaded when asked for, so that importing the
 # package imports nothing.
