@@ -240,7 +240,7 @@ def costs(results):
     seconds = {}
     for path in (results / "benchmarks").rglob("*.tsv"):
         rule = path.relative_to(results / "benchmarks").parts[0]
-        used = pd.read_csv(path, sep="\t", na_values="-")["cpu_time"].sum()
+        used = pd.read_csv(path, sep="\t", na_values="-")["s"].sum()
         seconds[rule] = seconds.get(rule, 0) + used
     longest = sorted(seconds.items(), key=lambda item: -item[1])[:N_COSTS]
     total = sum(seconds.values())

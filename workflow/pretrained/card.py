@@ -30,7 +30,7 @@ def commit_of(folder):
 
 def making(network, commit, seed, benchmark):
     """How the weights were made, for the card; the table `benchmark` tells the time it took."""
-    seconds = pd.read_csv(benchmark, sep="\t")["cpu_time"].sum()
+    seconds = pd.read_csv(benchmark, sep="\t")["s"].sum()
     return {
         "weights": digest_of(network),
         "commit": commit,

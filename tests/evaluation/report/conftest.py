@@ -54,7 +54,7 @@ def planted_page(planted_tables, paper, tmp_path_factory):
     scenes = [toy_scene(n, 300 + 200 * n, 256, 3 * n + 1) for n in range(4)]
     rows = [(scene.name, method, 0.4, 20.0) for scene in scenes for method in METHODS]
     images = pd.DataFrame(rows, columns=["scene", "method", "ssim", "psnr"])
-    job = {"stage": "labels", "rule": "draw_labels", "s": 2.0, "cpu_time": 1.0, "max_rss": 512.0}
+    job = {"stage": "labels", "rule": "draw_labels", "s": 2.0, "max_rss": 512.0}
     config = {"seed": 7, "source": "reference", "phy": {"n_looks": 16}}
     content = page_content(
         planted_tables, paper, {}, pd.DataFrame([job]), config, "synthetic reference flight"

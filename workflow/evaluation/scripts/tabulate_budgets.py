@@ -15,10 +15,13 @@ from snowsim.metrics.edges import score
 
 
 def core_seconds(place):
-    """Core-seconds of the jobs whose benchmarks lie at a place, a file or a folder."""
+    """Seconds of a core held by the jobs whose benchmarks lie at a place, a file or a folder.
+
+    Snakemake's CPU time lacks the last half minute of a job.
+    """
     path = Path(snakemake.params.benchmarks, place)
     files = [path] if path.is_file() else path.glob("*.tsv")
-    return sum(pd.read_csv(file, sep="\t")["cpu_time"].sum() for file in files)
+    return sum(pd.read_csv(file, sep="\t")["s"].sum() for file in files)
 
 
 with job(snakemake), SceneSet(snakemake.input.scenes) as scenes:
