@@ -48,7 +48,9 @@ def write_picture(path, layers, echograms=(), accumulated=None):
             _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **dict(limits))
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
     panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
-    if accumulated is not None:
+    if accumulated is None:
+        panels[0].set_ylabel(f"depth in snow of {TYPICAL_DENSITY_KG_M3:g} kg m$^{{-3}}$ [m]")
+    else:
         _draw_accumulation(panels[1], accumulated, at)
     panels[-1].set(xlabel=label)
     with written_whole(path) as aside:
@@ -82,7 +84,7 @@ def _draw_layers(axes, layers, distance, depth_m):
     for value, (name, colour) in COLOURS.items():
         of_value = np.where(layers["quality"].values == value, depth_m, np.nan)
         first, *_ = axes.plot(distance, of_value.T, color=colour, lw=1)
-        first.set_label(name)
+        first.set_label(f"{name} picks")
     ends = []
     wide, high = NAME_SHARES[0] * np.ptp(distance), NAME_SHARES[1] * np.nan_to_num(depth_m).max()
     for name, of_layer in zip(layers["layer"].values, depth_m, strict=True):
