@@ -207,17 +207,19 @@ def budgets(results):
 
 
 def transfer(results):
-    """The package's tracker on flights it never saw, beside ways without training."""
+    """The package's tracker on flights it never saw, beside one of their own and untrained ways."""
     scores = pd.read_csv(results / "tables/transfer.csv").set_index("flight")
     ways = pd.read_csv(results / "tables/transfer_accumulation.csv")
     f = ways.pivot(index="flight", columns="tracker", values="f").loc[scores.index[:-1]]
     f.loc["mean"] = f.mean()
     rows = []
     for flight, row in scores.iterrows():
-        own = [f"{row[name]:.3f}" for name in ("ods", "f", "missed_share", "false_share")]
+        names = ("own_ods", "ods", "f", "missed_share", "false_share")
+        found = [f"{row[name]:.3f}" for name in names]
         untrained = [f"{f.loc[flight, way]:.3f}" for way in ("baseline", "sato")]
-        rows.append([name_of(flight), *own, *untrained])
-    return markdown(["flight", "ODS", "F", "missed", "false", "peaks: F", "ridges: F"], rows)
+        rows.append([name_of(flight), *found, *untrained])
+    header = ["flight", "own: ODS", "ODS", "F", "missed", "false", "peaks: F", "ridges: F"]
+    return markdown(header, rows)
 
 
 def accumulation(results):

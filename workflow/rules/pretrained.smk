@@ -161,12 +161,35 @@ rule pretrained:
         "the tracker that comes with the package, with its card: about 1 h of one core"
 
 
+use rule train_tracker as train_own with:
+    input:
+        real="results/other_flights/{other_flight}/train.nc",
+        phy=[],
+        cgan=[],
+    output:
+        network="results/other_flights/{other_flight}/own.safetensors",
+        losses="results/other_flights/{other_flight}/own_losses.csv",
+    log:
+        "logs/train_own/{other_flight}.log",
+    benchmark:
+        "results/benchmarks/train_own/{other_flight}.tsv"
+    params:
+        replica="own",
+        n_epochs=None,
+        data={"added_per_real": 0},
+        checkpoint=f"{CHECKPOINTS}/train_own_{{other_flight}}.safetensors",
+        events=f"{EVENTS}/train_own/{{other_flight}}",
+    message:
+        "tracker on annotated scenes of the flight {wildcards.other_flight}"
+
+
 rule score_transfer:
     input:
         network="results/pretrained/network.safetensors",
         calibration="results/pretrained/calibration.csv",
         confidence="results/pretrained/confidence.csv",
         scenes=expand("results/other_flights/{flight}/test.nc", flight=UNSEEN),
+        own=expand("results/other_flights/{flight}/own.safetensors", flight=UNSEEN),
     output:
         table="results/tables/transfer.csv",
         accumulation="results/tables/transfer_accumulation.csv",
