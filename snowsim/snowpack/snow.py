@@ -15,7 +15,7 @@ SURFACE = "surface"
 # Density at the surface where none is given: with it, Herron & Langway's firn agrees below 1 m to 3
 # % with the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
-SNOW_YEAR = pd.DateOffset(months=4)  # from September on a new autumn horizon is there
+SEPTEMBER, MARCH = 4, 10  # months to the end of a year; in the south autumn ends in March
 YEAR_DAYS = 366
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
 N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
@@ -73,8 +73,8 @@ def accumulation(
     year : int or mapping of str to int, optional
         Year of the first layer below the surface that is used, or years of layers by name:
         ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year. By default the
-        newest horizon is of the last autumn before the first range line, from September on of the
-        same year, and years above the first layer are counted, too.
+        newest horizon is of the last autumn before the first range line, from September (in the
+        south, March) on of the same year, and years above the first layer are counted, too.
     annual : bool, optional
         Whether every layer is one autumn horizon, and none is missing; else years are counted. By
         default annual where layers have no `confidence`: a person picked them.
@@ -165,7 +165,7 @@ class _Picks:
 
     On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
     `doubt` the probability that no layer lies there. `left_out` are names of layers above the first
-    that is used; `flown` is the time of the first range line, in years that begin with September.
+    that is used; `flown` is the time of the first range line, in years that begin with an autumn.
     """
 
     names: list
@@ -196,7 +196,8 @@ def _picks(layers, least_confidence):
     used[0] = True
     kept = np.flatnonzero(used)
     values = (each.values[kept] for each in (below, error, doubt))
-    flown = layers.get_index("slow_time")[0] + SNOW_YEAR
+    months = MARCH if np.any(layers.get("Latitude", 0) < 0) else SEPTEMBER
+    flown = layers.get_index("slow_time")[0] + pd.DateOffset(months=months)
     return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()], flown)
 
 

@@ -160,10 +160,17 @@ def test_a_first_horizon_that_may_be_missing_is_said_and_makes_ages_uncertain(ye
 
 
 @pytest.mark.parametrize(
-    ("flown", "newest"), [("2012-03-30", 2011), ("2011-08-31", 2010), ("2011-11-10", 2011)]
+    ("flown", "latitude", "newest"),
+    [
+        ("2012-03-30", 70, 2011),
+        ("2011-08-31", 70, 2010),
+        ("2011-11-10", 70, 2011),
+        ("2011-11-10", -70, 2011),
+        ("2012-01-10", -70, 2011),
+    ],
 )
-def test_without_a_year_the_newest_horizon_is_of_the_last_autumn(year_m, flown, newest):
-    layers = layers_of(below_s(water_of(year_m)))
+def test_without_a_year_the_newest_horizon_is_of_the_last_autumn(year_m, flown, latitude, newest):
+    layers = layers_of(below_s(water_of(year_m))).assign(Latitude=("slow_time", [latitude] * 400))
     layers["slow_time"] = layers["slow_time"] + (np.datetime64(flown) - np.datetime64("2012-03-30"))
     for annual in (True, False):
         found = accumulation(layers, DENSITY, annual=annual)
