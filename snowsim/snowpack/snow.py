@@ -368,6 +368,8 @@ def _vote(years, doubt, older, first, elapsed):
         age[layer] = ages[share.argmax()] if layer > 1 or first == 0 else 0
         if layer in older and layer > first:
             age[layer] = age[first] + older[layer]
+        if layer == 1:
+            years[0] -= age[1]
         expected = share @ np.abs(ages - age[layer]) / share.sum()
         miscount[layer] = miscount[upper].mean() + expected
         horizon = there[age[layer] > age[upper]]
