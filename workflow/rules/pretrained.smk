@@ -163,7 +163,7 @@ rule pretrained:
 
 use rule train_tracker as train_own with:
     input:
-        real="results/other_flights/{other_flight}/train.nc",
+        real=["results/other_flights/{other_flight}/train.nc"],
         phy=[],
         cgan=[],
     output:
