@@ -52,7 +52,7 @@ NAMES = {
     "rd_pd": "RD+PD",
     "rd_pd_gd": "RD+PD+GD",
     "rd_full": "RD, full labels",
-    "rd_own": "RD + the flight's own blocks",
+    "rd_own": "RD + sample flight",
     "psnr": "PSNR [dB]",
     "rmse": "RMSE [grey levels]",
     "ssim": "SSIM",
