@@ -66,4 +66,4 @@ rule study_budgets:
     input:
         rules.tabulate_budgets.output,
     message:
-        "worth of trackers by number of gradients: 15 minutes on two cores"
+        "worth of trackers by number of gradients: 10 minutes on two cores"

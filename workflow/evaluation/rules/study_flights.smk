@@ -155,4 +155,4 @@ rule study_flights:
     input:
         rules.tabulate_flights.output,
     message:
-        "worth of synthetic scenes on flights of other climates and radars: 75 minutes on two cores"
+        "worth of synthetic scenes on flights of other climates and radars: 1 hour on two cores"
