@@ -54,8 +54,11 @@ def plot_task(ax, budgets):
     for name, (label, colour, side) in TRACKERS.items():
         rows = means[means["training_set"] == name]
         ax.plot("cost", "ods", data=rows, color=colour, marker="o", markersize=4)
-        name_point(ax, label, rows.iloc[-1][["cost", "ods"]], colour, ha=side, fontsize=8)
-        for row in rows.itertuples():
+        last = rows.iloc[-1]
+        is_alone = len(rows) == 1
+        label = f"{label}, {last['n_gradients']}" if is_alone else label
+        name_point(ax, label, last[["cost", "ods"]], colour, below=is_alone, ha=side, fontsize=8)
+        for row in () if is_alone else rows.itertuples():
             name_point(ax, row.n_gradients, (row.cost, row.ods), colour, below=True, ha=side)
     ax.margins(x=0.25, y=0.15)
     ax.set(xscale="log", xlabel="core-seconds to make scenes and train a tracker")
