@@ -618,7 +618,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     write_table(path_by_year, by_year(found))
     click.echo(
         f"{path}: {len(rows)} rows of {found.sizes['year']} years; uppermost horizon "
-        f"{found.attrs['uppermost']}; no horizons: {found.attrs['no_horizon'] or 'none'}; "
+        f"{found.attrs['uppermost']}; left out as no horizons: "
+        f"{found.attrs['no_horizon'] or 'none'}; "
         f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
     )
     if "temperature_k" in found.attrs:

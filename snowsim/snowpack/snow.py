@@ -396,7 +396,7 @@ def _ages(ratio, upper_age, doubt):
 def _warn(picks, dated):
     """Say what may shift every date, and that a span has very many years."""
     first = f"above {picks.names[1]}, the first horizon, taken for that of "
-    first += f"{dated.newest - dated.age[1]}: a year off shifts every date"
+    first += f"{dated.newest - dated.age[1]}: a year off shifts every date, unless a layer is named"
     longest = dated.n_years[dated.whole].max()
     said = {
         f"faint {', '.join(picks.left_out)} left out {first}": picks.left_out,

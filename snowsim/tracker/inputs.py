@@ -204,7 +204,7 @@ def _surveyed(echogram, given, card):
         survey = _survey(echogram, given, card.bin_s, needed)
     known = {"bin_s": bin_size_s(echogram), "n_looks": looks * needed}
     known |= {"line_spacing_m": spacing_m * needed} if spacing_m else {}
-    outside = card.outside(known)
+    outside = [f"{line}: no pick has quality 1" for line in card.outside(known)]
     return survey, needed, notes + outside, bool(outside)
 
 

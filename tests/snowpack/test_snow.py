@@ -374,7 +374,7 @@ def files(tmp_path, year_m):
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
     main(["accumulation", *files, "-o", str(path), "--density", "400", "--png"])
-    expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; no horizons: none; 0 picks"
+    expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; left out as no horizons: none"
     assert expected in capsys.readouterr().out
     rows = pd.read_csv(path)
     assert tuple(rows.columns) == COLUMNS
