@@ -105,6 +105,9 @@ def test_of_thresholds_with_good_picks_that_one_is_taken_with_fewest_false_piece
     tracker = Calibrated(None, SURE, fit_confidence(logits, scenes, SURE))
     picks = [followed(each, tracker, each.shape) for each in logits]
     assert_allclose(by_threshold[SURE.threshold], pick_scores(picks, scenes)["f"], rtol=1e-12)
+    # Above the threshold at which nothing is picked any more, there is nothing to fit.
+    faint = pick_curve([np.minimum(each, -1.0) for each in logits], scenes, SURE)
+    assert 0 < len(faint) < len(THRESHOLDS)
 
 
 def test_pieces_of_little_confidence_are_left_out():

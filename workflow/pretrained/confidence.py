@@ -45,11 +45,19 @@ def fit_coefficients(seen, hits):
 
 
 def pick_curve(logits, scenes, calibration):
-    """Table of `pick_scores` by `threshold`, each with a confidence of its own."""
+    """Table of `pick_scores` by `threshold`, each with its own confidence, while any is picked.
+
+    ValueError if nothing is picked at the least threshold.
+    """
     rows = []
     for threshold in THRESHOLDS:
         at = dataclasses.replace(calibration, threshold=threshold)
-        tracker = Calibrated(None, at, fit_confidence(logits, scenes, at))
+        try:
+            tracker = Calibrated(None, at, fit_confidence(logits, scenes, at))
+        except ValueError:
+            if not rows:
+                raise
+            break
         picks = [followed(each, tracker, each.shape) for each in logits]
         rows.append({"threshold": threshold} | pick_scores(picks, scenes))
     return pd.DataFrame(rows)
