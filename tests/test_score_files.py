@@ -14,7 +14,7 @@ from PIL import Image
 from refusals import refusal
 from scipy.ndimage import binary_dilation
 
-from snowsim import score_folders
+from snowsim import Climate, score_folders, simulate
 from snowsim.cli import main
 from snowsim.echogram import layer_mask
 from snowsim.io import layer_numbers, write_image, write_layer_files
@@ -290,6 +290,17 @@ def test_layer_files_are_scored_in_the_echogram_s_range_bins(layer_files):
     np.save(layer_files / "rows.npy", LAYERS)
     with refusal("expected 64 range lines of an image .* found 64 .* with times"):
         score_folders(files[0], layer_files / "rows.npy", picks=True, bin_s=BIN_S)
+
+
+def test_picks_are_compared_with_the_peaks_of_simulated_layers(tmp_path):
+    _, truth = simulate(Climate(accumulation_m=0.3, n_years=5), "snow-2-8", n_range_lines=32, rng=1)
+    for name, layers in {"made": truth.assign(twtt=truth["peak_twtt"]), "true": truth}.items():
+        (tmp_path / name).mkdir()
+        kept = layers if name == "true" else layers.drop_vars("peak_twtt")
+        kept.to_netcdf(tmp_path / name / "frame_layers.nc")
+    folders = (tmp_path / "made", tmp_path / "true")
+    table = score_folders(*folders, picks=True, bin_s=8.67e-11, n_bootstrap=1)
+    assert table["mean_absolute_error_bins"][0] == 0
 
 
 @pytest.mark.parametrize(("name", "value"), [("tolerance", "a"), ("processes", True)])
