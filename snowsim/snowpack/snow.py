@@ -15,7 +15,8 @@ SURFACE = "surface"
 # Density at the surface where none is given: with it, Herron & Langway's firn agrees below 1 m to 3
 # % with the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
-SEPTEMBER, MARCH = 4, 10  # months to the end of a year; in the south autumn ends in March
+# Months from the end of a snow year, August in the north and February in the south, to December.
+NORTH_MONTHS, SOUTH_MONTHS = 4, 10
 YEAR_DAYS = 366
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which that firn's density depends
 N_ROUNDS = 3  # rounds in which typical mass, ages and mean accumulation adapt to each other
@@ -196,7 +197,7 @@ def _picks(layers, least_confidence):
     used[0] = True
     kept = np.flatnonzero(used)
     values = (each.values[kept] for each in (below, error, doubt))
-    months = MARCH if np.any(layers.get("Latitude", 0) < 0) else SEPTEMBER
+    months = SOUTH_MONTHS if np.any(layers.get("Latitude", 0) < 0) else NORTH_MONTHS
     flown = layers.get_index("slow_time")[0] + pd.DateOffset(months=months)
     return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()], flown)
 

@@ -52,12 +52,9 @@ def pick_curve(logits, scenes, calibration):
     rows = []
     for threshold in THRESHOLDS:
         at = dataclasses.replace(calibration, threshold=threshold)
-        try:
-            tracker = Calibrated(None, at, fit_confidence(logits, scenes, at))
-        except ValueError:
-            if not rows:
-                raise
+        if rows and not any(pieces_of(each, at) for each in logits):
             break
+        tracker = Calibrated(None, at, fit_confidence(logits, scenes, at))
         picks = [followed(each, tracker, each.shape) for each in logits]
         rows.append({"threshold": threshold} | pick_scores(picks, scenes))
     return pd.DataFrame(rows)

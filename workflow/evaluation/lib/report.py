@@ -197,8 +197,8 @@ def read_benchmarks(folder, stages):
 def costs(jobs, of):
     """Table of the cost of jobs by `stage` or `rule`, the longest first, as texts.
 
-    Snakemake records no memory of jobs that end before it first looks, and of others the CPU time
-    of all but the last half minute: the time that a job holds its core is told in its place.
+    Snakemake records no memory of jobs that end before it first looks. Its CPU time lacks the last
+    half minute of a job: the cost is the time for which a job holds its core.
     """
     grouped = jobs.groupby(of)
     wall_s = grouped["s"].sum().sort_values(ascending=False)
