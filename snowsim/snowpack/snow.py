@@ -30,7 +30,7 @@ MISSED = 0.3
 NO_HORIZON = 0.4
 USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
 LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
-KNOWN_DOUBT = 1e-9  # that of the surface and of layers whose year is given
+KNOWN_DOUBT = 1e-9  # that of layers whose year is given
 # Where horizons are missing, the typical mass is so many times the median of spans; how many spans
 # tell.
 SCALES = np.geomspace(0.35, 1.1, 24)
@@ -44,7 +44,6 @@ CONTRADICTION = 4  # factor of mass, likewise, from which on years of names are 
 MISCOUNT = 0.5  # years above the first horizon, or their error, from which on a warning says so
 LONG_YEARS = 12  # number of years between two picks from which on a warning says so
 DENSITY_SD_KG_M3 = 30.0  # of a year's snow about the profile: cores, 18-39
-N_TIMES = 500  # travel times at which depth is tabulated
 NINE_OF_TEN = 1.645  # standard deviations to either side that hold nine of ten
 LEAST_SURE = 0.8  # smallest confidence in a count of years without a flag
 
@@ -136,9 +135,6 @@ def accumulation(
     bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)
-    if len(picks.names) < 2:
-        msg = "layers: expected two horizons on a range line, found none below the surface"
-        raise ValueError(msg)
     check_values("density_error", density_error, 0, 1)
     annual = "confidence" not in layers if annual is None else annual
     year = {picks.names[0]: picks.flown.year} if year is None else year
@@ -155,7 +151,7 @@ def accumulation(
             msg = "layers: expected two horizons on a range line above "
             msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
-        mean_m = float(np.nanmean(dated.span_m / dated.n_years))
+        mean_m = np.nanmean(dated.span_m / dated.n_years)
     _warn(picks, dated)
     return _by_year(layers, picks, column, dated, density_error).assign_attrs(firn)
 
@@ -165,15 +161,15 @@ class _Picks:
     """The surface and the picks that are used, and the names of their layers.
 
     On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
-    `doubt` the probability that no layer lies there. `left_out` are names of layers above the first
+    `doubt` the probability that no layer lies there. `left_out` names layers above the first
     that is used; `flown` is the time of the first range line, in years that begin with an autumn.
     """
 
-    names: list
+    names: np.ndarray
     below_s: np.ndarray
     error_s: np.ndarray
     doubt: np.ndarray
-    left_out: list
+    left_out: str
     flown: pd.Timestamp
 
 
@@ -181,25 +177,23 @@ def _picks(layers, least_confidence):
     """`_Picks` of a dataset; layers are left out where most picks are missing or faint."""
     check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
-    names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
+    names = np.array([str(name).rpartition(":")[2] for name in layers.get_index("layer")])
     twtt = layers["twtt"]
-    if len(names) < 2 or names[0] not in (SURFACE, "0"):
-        msg = "layers: expected the surface first, with travel times, and others below it, "
-        msg += f"found {', '.join(names)}"
-        raise ValueError(msg)
     sure = layers.get("confidence", 0 * twtt + USUAL_CONFIDENCE).where(twtt.notnull())
+    sure[:1] = np.where(np.isin(names[:1], (SURFACE, "0")), 1, np.nan)
     error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
     below = (twtt - twtt[0]).where(sure >= least_confidence)
     doubt = (1 - sure).clip(LEAST_DOUBT)
-    below[0], doubt[0] = 0, KNOWN_DOUBT
     # A layer that is faint on most lines, as in the tail of the surface's echo, would date others.
-    used = (sure.median("slow_time") >= least_confidence).values
-    used[0] = True
-    kept = np.flatnonzero(used)
+    kept = np.flatnonzero(sure.median("slow_time") >= least_confidence)
+    if 0 not in kept[:-1]:
+        msg = "layers: expected the surface first, with travel times, and others below it of "
+        msg += f"confidence {least_confidence:g} or more, found {', '.join(names)}"
+        raise ValueError(msg)
     values = (each.values[kept] for each in (below, error, doubt))
     months = SOUTH_MONTHS if np.any(layers.get("Latitude", 0) < 0) else NORTH_MONTHS
     flown = layers.get_index("slow_time")[0] + pd.DateOffset(months=months)
-    return _Picks([names[n] for n in kept], *values, names[1 : kept[1:2].sum()], flown)
+    return _Picks(names[kept], *values, ", ".join(names[1 : kept[1]]), flown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +227,7 @@ def _dated(water_m, picks, year, annual):
     is_named = hasattr(year, "items")
     given = _given(picks.names, year if is_named else {picks.names[1]: year})
     known = _in_order(len(picks.names), given) if annual else given
-    first, *_ = known
+    first = min(known)
     older = {layer: known[first] - value for layer, value in known.items()}
     doubt = picks.doubt.copy()
     doubt[list(given)] = KNOWN_DOUBT
@@ -348,18 +342,16 @@ def _vote(years, doubt, older, first, elapsed):
     age = np.full(len(years), -1)
     above = np.full(years.shape, -1)
     miscount = np.zeros(len(years))
-    # Where the first horizon is missing, snow is counted from a year above where it is elsewhere.
+    # The snow above the first is of the year that has elapsed, or more if a horizon is missing.
     years = years.copy()
-    years[0] = pd.Series(years[1]).median() - 1
+    years[0] = np.minimum(years[1], elapsed) - 1
     last = np.zeros(years.shape[1], dtype=int)
     for layer, own in enumerate(years[1:], start=1):
         there = np.flatnonzero(np.isfinite(own))
         if there.size == 0:
             continue
         upper = last[there]
-        # The snow above the first is of the year that has elapsed, or more if a horizon is missing.
-        first_ratio = np.maximum(own[there] + 1 - elapsed, 1)
-        ratio = own[there] - years[upper, there] if layer > 1 else first_ratio
+        ratio = own[there] - years[upper, there]
         ages, share = _ages(ratio, age[upper], np.median(doubt[layer, there]))
         deeper = min((n for n in older if n > layer > first), default=layer)
         below = pd.Series(years[deeper] - own).median()
@@ -369,8 +361,8 @@ def _vote(years, doubt, older, first, elapsed):
         age[layer] = ages[share.argmax()] if layer > 1 or first == 0 else 0
         if layer in older and layer > first:
             age[layer] = age[first] + older[layer]
-        if layer == 1:
-            years[0] -= age[1]
+        if layer == 1:  # where it is missing, snow is counted from where it is elsewhere
+            years[0] = pd.Series(own).median() - 1 - age[1]
         expected = share @ np.abs(ages - age[layer]) / share.sum()
         miscount[layer] = miscount[upper].mean() + expected
         horizon = there[age[layer] > age[upper]]
@@ -400,7 +392,7 @@ def _warn(picks, dated):
     first += f"{dated.newest - dated.age[1]}: a year off shifts every date, unless a layer is named"
     longest = dated.n_years[dated.whole].max()
     said = {
-        f"faint {', '.join(picks.left_out)} left out {first}": picks.left_out,
+        f"faint {picks.left_out} left out {first}": picks.left_out,
         f"snow of {dated.open_years:.2g} typical years lies {first}": (
             max(dated.age[1], dated.error[1]) >= MISCOUNT
         ),
@@ -408,7 +400,7 @@ def _warn(picks, dated):
     }
     for text, is_so in said.items():
         if is_so:
-            warnings.warn(f"layers: {text}", UserWarning, stacklevel=3)
+            warnings.warn(f"layers: {text}", stacklevel=3)
 
 
 def _by_year(layers, picks, column, dated, density_error):
@@ -430,7 +422,7 @@ def _by_year(layers, picks, column, dated, density_error):
     sure = dated.sure[base]
     mean_m = span_m / n_years
     spans = {
-        "line": line,
+        "slow_time": layers["slow_time"].values[line],
         "year": dated.newest - dated.age[upper],
         "depth_m": depth_m[top],
         "thickness_m": thickness_m / n_years,
@@ -451,28 +443,26 @@ def _by_year(layers, picks, column, dated, density_error):
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
     rows["age_error_years"] += within * rows.pop("error_step")
-    found = _dataset(layers, rows, dated, column, picks.below_s)
+    found = _dataset(layers, rows)
+    found["depth_at"] = ("below_s", column.depth_m)
+    first = (dated.above == 0) & (dated.age[:, None] == 0)
+    open_m = np.fmin.reduce(np.where(first, dated.span_m, np.nan), axis=0)
+    found["open_m_we"] = ("slow_time", open_m)
     uppermost = (dated.above == 0).sum(axis=1).argmax()
-    _, *no_horizon = np.array(picks.names)[(dated.above < 0).all(axis=1)]
-    return found.assign_attrs(
+    _, *no_horizon = picks.names[(dated.above < 0).all(axis=1)]
+    return found.assign_coords(below_s=column.twtt_s).assign_attrs(
         uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
         no_horizon=", ".join(no_horizon),
+        n_below_profile=int(np.isfinite(picks.below_s).sum() - np.isfinite(depth_m).sum()),
     )
 
 
-def _dataset(layers, rows, dated, column, below_s):
-    """Rows as a dataset on (year, slow_time), with positions and times of the layers."""
+def _dataset(layers, rows):
+    """Rows as a dataset on (year, slow_time), with positions of the layers."""
     years = np.arange(rows["year"].max(), rows["year"].min() - 1, -1)
-    found = rows.set_index(["year", "line"]).to_xarray()
-    found = found.reindex(year=years, line=np.arange(below_s.shape[1]))
-    found = found.rename(line="slow_time").assign_coords(slow_time=layers["slow_time"].values)
-    water_m = column.at(column.water_m, below_s)
-    first = (dated.above == 0) & (dated.age[:, None] == 0)
-    found["open_m_we"] = ("slow_time", np.fmin.reduce(np.where(first, water_m, np.nan), axis=0))
-    times_s = np.linspace(0, min(1.1 * np.nanmax(below_s), column.twtt_s[-1]), N_TIMES)
-    found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
+    found = rows.set_index(["year", "slow_time"]).to_xarray()
+    found = found.reindex(year=years, slow_time=layers["slow_time"].values)
     for name in ("Latitude", "Longitude", "frame"):
         if name in layers:
             found[name] = ("slow_time", layers[name].values)
-    n_below = int((np.isfinite(below_s) & np.isnan(water_m)).sum())
-    return found.assign_coords(below_s=times_s).assign_attrs(n_below_profile=n_below)
+    return found
