@@ -4,7 +4,7 @@ import math
 import warnings
 
 import torch
-from torch.utils.data import DataLoader, Dataset
+from torch.utils.data import DataLoader
 
 # Names that torch gives to the capability of x86-64 processors without AVX-512.
 WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
@@ -45,7 +45,7 @@ class Step:
         ``function(batch)`` of nested dicts of tensors on the device gives a tensor of losses. What
         else it changes are tensors of `optimisers`, all in place; it does not wait for the device.
     optimisers : sequence of torch.optim.Optimizer
-        They have moments (`adaptive`) and their weights gradients (`allocate_gradients`) already.
+        They have moments (`adaptive`) and their weights gradients (`Resumable`) already.
     device : str
     """
 
@@ -111,35 +111,32 @@ def on_device(batch, device):
 
 def changed_by(optimiser):
     """Tensors that an optimiser's step changes: weights, gradients and moments."""
-    for group in optimiser.param_groups:
-        for weight in group["params"]:
-            yield weight
-            if weight.grad is not None:
-                yield weight.grad
-            yield from optimiser.state.get(weight, {}).values()
+    for weight in weights_of(optimiser):
+        yield weight
+        yield weight.grad
+        yield from optimiser.state.get(weight, {}).values()
 
 
 def adaptive(kind, groups, rate, device, **options):
     """An optimiser of `kind`, torch.optim.Adam or AdamW, whose steps can be captured on a GPU."""
-    if not is_gpu(device):
-        return kind(groups, lr=rate, fused=True, **options)
-    rate = torch.tensor(rate, device=device)
-    optimiser = kind(groups, lr=rate, fused=True, capturable=True, **options)
-    weights = [weight for group in optimiser.param_groups for weight in group["params"]]
-    for weight in weights:
-        # As at the first step, which would make them anew.
-        optimiser.state[weight] = {
-            "step": torch.zeros((), device=device),
-            "exp_avg": torch.zeros_like(weight),
-            "exp_avg_sq": torch.zeros_like(weight),
-        }
+    on_gpu = is_gpu(device)
+    optimiser = kind(groups, lr=rate, fused=True, capturable=on_gpu, **options)
+    if on_gpu:
+        for group in optimiser.param_groups:
+            group["lr"] = torch.tensor(rate, device=device)
+        for weight in weights_of(optimiser):
+            # As at the first step, which would make them anew.
+            optimiser.state[weight] = {
+                "step": torch.zeros((), device=device),
+                "exp_avg": torch.zeros_like(weight),
+                "exp_avg_sq": torch.zeros_like(weight),
+            }
     return optimiser
 
 
-def allocate_gradients(network):
-    """Set all gradients of a network to zeros: a graph adds to these, in place."""
-    for weight in network.parameters():
-        weight.grad = torch.zeros_like(weight)
+def weights_of(optimiser):
+    """Weights that an optimiser changes, in the order of their numbers in its state."""
+    return [weight for group in optimiser.param_groups for weight in group["params"]]
 
 
 def set_rate(group, rate):
@@ -150,7 +147,7 @@ def set_rate(group, rate):
         group["lr"] = rate
 
 
-class Batches(Dataset):
+class Batches:
     """The batch of every step of a training; a ValueError is given, not raised.
 
     A process that makes batches would raise it with its traceback as the message.
@@ -263,15 +260,16 @@ class Resumable:
         self.optimisers = {}
         for network in networks.values():
             network.to(device=device, memory_format=torch.channels_last)
-            if is_gpu(device):
-                allocate_gradients(network)
+            for weight in network.parameters():
+                # On a GPU a graph adds to these, in place.
+                weight.grad = torch.zeros_like(weight)
 
     def state(self):
         """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
         state = {name: network.state_dict() for name, network in self.networks.items()}
         for name, optimiser in self.optimisers.items():
             state[name] = optimiser.state_dict()["state"]
-        return on_cpu(state)
+        return on_device(state, "cpu")
 
     def restore(self, state, step):
         """Go on from a `state`, as arrays, that was kept after `step` steps.
@@ -290,22 +288,15 @@ def load_moments(optimiser, moments):
 
     Before the first step there are none.
     """
-    parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+    weights = weights_of(optimiser)
     for index, values in moments.items():
-        parameter = parameters[int(index)]
-        state = optimiser.state[parameter]
+        weight = weights[int(index)]
         for key, value in values.items():
-            if value.ndim:
-                # Moments are laid out in memory as the weights are.
-                state[key] = torch.empty_like(parameter)
-            else:
-                # The number of steps is a scalar.
-                state[key] = torch.empty((), device=parameter.device)
-            state[key].copy_(torch.as_tensor(value))
+            # Moments are laid out in memory as the weights are; the number of steps is a scalar.
+            like = weight if value.ndim else weight.new_empty(())
+            optimiser.state[weight][key] = copy_like(like, value)
 
 
-def on_cpu(state):
-    """Nested dicts of tensors, moved to main memory."""
-    if isinstance(state, dict):
-        return {key: on_cpu(value) for key, value in state.items()}
-    return state.detach().cpu()
+def copy_like(weight, values):
+    """An array as a tensor of the shape and device of a weight, laid out in memory as it is."""
+    return torch.empty_like(weight).copy_(torch.as_tensor(values))

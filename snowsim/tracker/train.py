@@ -14,9 +14,9 @@ from snowsim.training import (
     Step,
     adaptive,
     arithmetic,
-    is_gpu,
+    copy_like,
     load_weights,
-    on_cpu,
+    on_device,
     set_rate,
     taken,
 )
@@ -68,9 +68,8 @@ class Training(Resumable):
 
     def state(self):
         """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
-        gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
-        held = {name: sums for name, sums in gradients.items() if sums is not None}
-        return super().state() | {"gradient": on_cpu(held)}
+        sums = {name: weights.grad for name, weights in self.network.named_parameters()}
+        return super().state() | {"gradient": on_device(sums, "cpu")}
 
     def set_rate(self, rate):
         """Set the learning rate of the next update, relative to the highest."""
@@ -78,9 +77,9 @@ class Training(Resumable):
             set_rate(group, group["highest"] * rate)
 
     def update(self):
-        """Change the weights by the summed gradients, which are then empty, on a GPU zeros."""
+        """Change the weights by the summed gradients, which are then zeros."""
         self.optimiser.step()
-        self.optimiser.zero_grad(set_to_none=not is_gpu(self.device))
+        self.optimiser.zero_grad(set_to_none=False)
 
     def restore(self, state, step):
         """Go on from a `state`, as arrays, that was kept after `step` steps.
@@ -88,10 +87,9 @@ class Training(Resumable):
         ValueError if other settings made it.
         """
         super().restore(state, step)
-        gradients = state.get("gradient", {})
-        for name, parameter in self.network.named_parameters():
-            if name in gradients:
-                parameter.grad = torch.empty_like(parameter).copy_(torch.as_tensor(gradients[name]))
+        for name, sums in state.get("gradient", {}).items():
+            weights = self.network.get_parameter(name)
+            weights.grad = copy_like(weights, sums)
 
 
 def train_steps(training, scenes, *, n_workers=0):
