@@ -11,7 +11,7 @@ from snowsim.limits import check_values
 from snowsim.tracker.inputs import Canonical
 from snowsim.tracker.joining import downwards, join
 from snowsim.tracker.layers import confidence, layers_of_frame, likely, on_lines
-from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
+from snowsim.tracker.linking import APART_ROWS, Candidates, Piece, find_candidates, link
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
 # A candidate so near to the surface is the surface.
@@ -25,15 +25,7 @@ def pieces_in(log_odds, threshold):
 
     `threshold` are the log-odds from which a peak speaks for a layer.
     """
-    return link(find_candidates(log_odds, LINKING, threshold), LINKING, threshold)
-
-
-def rows_of(pieces, n_lines):
-    """Rows of pieces that come downwards, (layer, range_line), NaN where there is no pick."""
-    lines = np.arange(n_lines)
-    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, n_lines)
-    rows[crossing_layers(rows)] = np.nan
-    return rows
+    return link(find_candidates(log_odds, threshold), threshold)
 
 
 def rows_in(log_odds, threshold):
@@ -41,7 +33,12 @@ def rows_in(log_odds, threshold):
 
     Each piece is a layer: `join` gives those on either side of a long gap one name.
     """
-    return rows_of(downwards(pieces_in(log_odds, threshold)), log_odds.shape[1])
+    pieces = downwards(pieces_in(log_odds, threshold))
+    n_lines = log_odds.shape[1]
+    lines = np.arange(n_lines)
+    rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, n_lines)
+    rows[crossing_layers(rows)] = np.nan
+    return rows
 
 
 def rows_in_image(run, image, card):
@@ -108,7 +105,7 @@ def evidence_of(run, canonical, card):
     grid = canonical.grid
     parts = []
     for _, log_odds, image in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
-        found = find_candidates(log_odds, LINKING, threshold)
+        found = find_candidates(log_odds, threshold)
         deepest = deepest_row(image, canonical.grey(card.echo_db))
         parts.append(found.where(found.row <= deepest[found.line]))
     return _split_surface(canonical, Candidates.concatenated(parts), threshold)
@@ -133,9 +130,9 @@ def _split_surface(canonical, candidates, threshold):
     near = np.flatnonzero(np.abs(off) <= SURFACE_ROWS)
     near = near[np.argsort(-np.abs(off[near]), kind="stable")]  # the nearest comes last, and stays
     rows[line[near]] = candidates.row[near]
-    excess[line[near]] = candidates.log_odds[near] - (threshold + LINKING.even_log_odds)
-    below = candidates.row > rows[line] + LINKING.apart_rows
-    inside = candidates.row < grid.bottom[line] - LINKING.apart_rows
+    excess[line[near]] = candidates.log_odds[near] - threshold
+    below = candidates.row > rows[line] + APART_ROWS
+    inside = candidates.row < grid.bottom[line] - APART_ROWS
     return Evidence(canonical, candidates.where(below & inside), rows, excess)
 
 
@@ -146,7 +143,7 @@ def layers_of_frames(frames, card):
     """
     candidates = Candidates.concatenated([frame.candidates for frame in frames])
     n_lines = candidates.n_lines
-    found = join(link(candidates, LINKING, card.threshold_log_odds))
+    found = join(link(candidates, card.threshold_log_odds))
     pieces, sure = likely(found, n_lines, card.confidence)
     surface = _surface(frames)
     pieces.insert(0, surface)

@@ -10,7 +10,6 @@ from refusals import refusal
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.tracker import (
     Candidates,
-    Linking,
     Piece,
     confidence,
     find_candidates,
@@ -41,7 +40,7 @@ def rows_of(pieces, n_lines):
 def test_peaks_of_a_parabola_are_its_vertices():
     row = np.arange(40)[:, None]
     vertex = np.array([10.3, 20.0, 29.6])
-    found = find_candidates(5 - (row - vertex) ** 2, Linking(), -0.5)
+    found = find_candidates(5 - (row - vertex) ** 2, -0.5)
     assert_array_equal(found.first, [0, 1, 2, 3])
     assert_allclose(found.row, vertex, atol=1e-5)  # float32
     assert_array_equal(found.line, [0, 1, 2])
@@ -51,7 +50,7 @@ def test_a_layer_is_one_piece_over_lines_without_candidates_and_specks_are_none(
     lines = [[(50 + 0.1 * line, 2.0)] if line % 20 > 3 else [] for line in range(300)]
     for line in (40, 41, 42):
         lines[line].append((90, 5.0))
-    (piece,) = link(candidates_of(lines), Linking(), EVEN)
+    (piece,) = link(candidates_of(lines), EVEN)
     assert_allclose(piece.row, 50 + 0.1 * piece.line, rtol=1e-6)
     assert piece.line.size == 240
 
@@ -62,7 +61,7 @@ def test_the_way_through_a_fade_is_the_one_with_more_evidence():
     for line in range(260):
         fade = 120 <= line < 140
         lines.append([(50.0, 0.1), (56.0, 1.0)] if fade else [(50.0, 1.0)])
-    (piece, *_) = link(candidates_of(lines), Linking(), EVEN)
+    (piece, *_) = link(candidates_of(lines), EVEN)
     assert_array_equal(piece.row, 50)  # two steps of 6 rows cost more than a fade gains
 
 
@@ -75,8 +74,10 @@ def test_layers_never_cross_whatever_the_candidates_are(seed):
     for _ in range(n_lines):
         rows = np.unique(rng.uniform(0, 60, rng.integers(0, 25)).round(1))
         lines.append([(row, rng.normal(0.6, 1)) for row in rows])
-    linking = Linking(evidence_log_odds=12.0)
-    pieces = link(candidates_of(lines), linking, EVEN)
+    with pytest.MonkeyPatch.context() as changed:
+        # So that many chains are taken.
+        changed.setattr("snowsim.tracker.linking.EVIDENCE_LOG_ODDS", 12.0)
+        pieces = link(candidates_of(lines), EVEN)
     check_layer_bins(rows_of(join(pieces), n_lines))
 
 
