@@ -10,12 +10,6 @@ from reference import checked_settings
 TUNING_SEEDS = range(1000, 2000)
 
 
-def variants_of(shard, per_shard, n_variants):
-    """First variant of a shard and the one after its last."""
-    first = shard * per_shard
-    return first, min(first + per_shard, n_variants)
-
-
 def n_varied(pretrained):
     """Variants of the flight's statistics; those after them are clean firn."""
     return round(pretrained["n_variants"] * (1 - pretrained["firn_share"]))

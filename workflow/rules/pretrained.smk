@@ -5,8 +5,9 @@ from pretrained import transfer
 
 PRETRAINED = config["pretrained"]
 TRANSFER = config["studies"]["transfer"]
-VARIANTS_PER_SHARD = 72
-VARIED_SHARDS = numbered(math.ceil(PRETRAINED["n_variants"] / VARIANTS_PER_SHARD))
+# Variants are divided into files as scenes are.
+N_SCENES["variants"] = PRETRAINED["n_variants"]
+SHARD_SIZE["variants"] = 72
 TUNING = {flight["name"]: flight for flight in PRETRAINED["tuning"]}
 UNSEEN = {flight["name"]: flight for flight in TRANSFER["flights"]}
 OTHER_FLIGHTS = TUNING | UNSEEN
@@ -34,12 +35,10 @@ rule draw_varied:
     benchmark:
         "results/benchmarks/draw_varied/{shard}.tsv"
     resources:
-        results_mb=math.ceil(VARIANTS_PER_SHARD * PRETRAINED["n_scenes"] * 0.22),
+        results_mb=math.ceil(SHARD_SIZE["variants"] * PRETRAINED["n_scenes"] * 0.22),
     params:
         seed=config["seed"],
-        variants=lambda w: transfer.variants_of(
-            int(w.shard), VARIANTS_PER_SHARD, PRETRAINED["n_variants"]
-        ),
+        variants=lambda w: shard_range("variants", w.shard),
         n_varied=transfer.n_varied(PRETRAINED),
         n_scenes=PRETRAINED["n_scenes"],
         n_range_lines=config["labels"]["n_range_lines"],
@@ -52,9 +51,7 @@ rule draw_varied:
 
 use rule train_tracker as train_pretrained with:
     input:
-        real=expand("results/pretrained/scenes/{shard}.nc", shard=VARIED_SHARDS),
-        phy=[],
-        cgan=[],
+        real=expand("results/pretrained/scenes/{shard}.nc", shard=shards("variants")),
     output:
         network="results/pretrained/network.safetensors",
         losses="results/pretrained/losses.csv",
@@ -164,8 +161,6 @@ rule pretrained:
 use rule train_tracker as train_own with:
     input:
         real=["results/other_flights/{other_flight}/train.nc"],
-        phy=[],
-        cgan=[],
     output:
         network="results/other_flights/{other_flight}/own.safetensors",
         losses="results/other_flights/{other_flight}/own_losses.csv",

@@ -38,15 +38,15 @@ rule score_tracker:
     input:
         scenes=benchmark_files("test"),
         validation=benchmark_files("validation"),
-        networks=expand("results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS),
+        networks=expand("results/tracker/{{scored_set}}/{replica}.safetensors", replica=SEEDS),
     output:
-        counts=expand("results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS),
-        picks=expand("results/tracker/{{training_set}}/{replica}_picks.parquet", replica=SEEDS),
-        validation=validation_counts("results/tracker/{{training_set}}/{replica}"),
+        counts=expand("results/tracker/{{scored_set}}/{replica}_counts.parquet", replica=SEEDS),
+        picks=expand("results/tracker/{{scored_set}}/{replica}_picks.parquet", replica=SEEDS),
+        validation=validation_counts("results/tracker/{{scored_set}}/{replica}"),
     log:
-        "logs/score_tracker/{training_set}.log",
+        "logs/score_tracker/{scored_set}.log",
     benchmark:
-        "results/benchmarks/score_tracker/{training_set}.tsv"
+        "results/benchmarks/score_tracker/{scored_set}.tsv"
     resources:
         mem_mb=2000,
         gpu=int(TRACKER["device"] == "cuda"),
@@ -55,7 +55,7 @@ rule score_tracker:
         # A tracker with the published loss is also scored at the published thresholds.
         as_published=TRACKER["training"]["layer_share"] is None,
     message:
-        "edge scores of {wildcards.training_set}, every replica"
+        "edge scores of {wildcards.scored_set}, every replica"
     script:
         str(ROOT / "workflow/scripts/score_tracker.py")
 

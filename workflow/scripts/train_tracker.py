@@ -7,8 +7,8 @@ from lib.tracker_training import train
 with job(snakemake):
     train(
         snakemake.input.real,
-        snakemake.input.phy,
-        snakemake.input.cgan,
+        snakemake.input.get("phy", []),
+        snakemake.input.get("cgan", []),
         snakemake.output.network,
         snakemake.output.losses,
         threads=snakemake.threads,

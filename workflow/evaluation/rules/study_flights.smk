@@ -16,6 +16,7 @@ SCORED_SETS = [*TRAINING_SETS, *ALONE, *CONTROLS]
 wildcard_constraints:
     flight=r"\d+",
     control="|".join(CONTROLS),
+    scored_set="|".join(SCORED_SETS),
 
 
 # One flight: the main path and, beside it, trainings on the controls.
@@ -44,8 +45,6 @@ use rule train_tracker as train_control with:
         real=lambda w: (
             benchmark_files("train") + (rules.cut_flight.output if w.control == "rd_own" else [])
         ),
-        phy=[],
-        cgan=[],
     output:
         network="results/tracker/{control}/{replica}.safetensors",
         losses="results/tracker/{control}/{replica}_losses.csv",
@@ -60,23 +59,6 @@ use rule train_tracker as train_control with:
         events=f"{EVENTS}/train_control/{{control}}/{{replica}}",
     message:
         "tracker on {wildcards.control}, replica {wildcards.replica}"
-
-
-use rule score_tracker as score_control with:
-    input:
-        scenes=benchmark_files("test"),
-        validation=benchmark_files("validation"),
-        networks=expand("results/tracker/{{control}}/{replica}.safetensors", replica=SEEDS),
-    output:
-        counts=expand("results/tracker/{{control}}/{replica}_counts.parquet", replica=SEEDS),
-        picks=expand("results/tracker/{{control}}/{replica}_picks.parquet", replica=SEEDS),
-        validation=validation_counts("results/tracker/{{control}}/{replica}"),
-    log:
-        "logs/score_control/{control}.log",
-    benchmark:
-        "results/benchmarks/score_control/{control}.tsv"
-    message:
-        "edge scores of {wildcards.control}"
 
 
 rule score_flight:
