@@ -36,7 +36,7 @@ class Counter:
 
 def counted(path, counter, made_of=7):
     """The run of a counter to 50."""
-    with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7) as run:
+    with TrainingRun(counter, {"made_of": made_of}, checkpoint=path, checkpoint_steps=7) as run:
         run.take(counter.steps(50), 50, "counter")
     return run
 

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from lib.training import TrainingRun, check_memory, enough_memory, n_workers
+from lib.training import TrainingRun, check_memory, enough_memory
 from snowsim.cgan import Settings, Training, least_bytes, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
@@ -22,20 +22,11 @@ SATURATED = 0.1
 logger = logging.getLogger("snowsim")
 
 
-def train(
-    scenes,
-    generator,
-    losses,
-    *,
-    settings,
-    seed,
-    device,
-    checkpoint,
-    checkpoint_steps,
-    events,
-    threads=1,
-):
-    """Train on files of scenes, from the checkpoint where there is one; leave the last weights."""
+def train(scenes, generator, losses, *, settings, seed, device, threads=1, **kept):
+    """Train on files of scenes, from the checkpoint where there is one; leave the last weights.
+
+    Threads beside the first prepare inputs. `kept` are the options of `TrainingRun`.
+    """
     settings = Settings(**settings)
     what = f"a cGAN of width {settings.width}"
     check_memory(least_bytes(settings), what)
@@ -43,9 +34,8 @@ def train(
     with SceneSet(scenes) as observed, enough_memory(what):
         training = Training(settings, seed=seed, device=device)
         unfinished = {"kind": "unfinished cgan training", **made_of}
-        kept = {"every_steps": checkpoint_steps, "path_to_events": events}
-        steps = train_steps(training, observed, n_workers=n_workers(device, threads))
-        with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
+        steps = train_steps(training, observed, n_workers=threads - 1)
+        with TrainingRun(training, unfinished, **kept) as taken:
             taken.take(steps, settings.n_steps, "cGAN")
             note_saturation(taken.losses())
             # Within the block: only a training whose files are written needs no checkpoint.

@@ -3,7 +3,7 @@
 import dataclasses
 from contextlib import ExitStack
 
-from lib.training import TrainingRun, enough_memory, n_workers
+from lib.training import TrainingRun, enough_memory
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet
@@ -35,13 +35,25 @@ def compose(
 
 
 def train(
-    real, phy, cgan, network, losses,
-    *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
+    real,
+    phy,
+    cgan,
+    network,
+    losses,
+    *,
+    seed,
+    replica,
+    device,
+    n_epochs,
+    data,
+    settings,
     threads=1,
-):  # fmt: skip
+    **kept,
+):
     """Train one tracker on the files of its training set, from its checkpoint if there is one.
 
-    `data` are the options of `compose`.
+    `data` are the options of `compose`, `kept` those of `TrainingRun`. Threads beside the first
+    prepare inputs.
     """
     # The seed depends on the replica alone, so that all training sets start from the same weights.
     seed = int(random_stream(seed, "train_tracker", replica).integers(2**31))
@@ -59,9 +71,8 @@ def train(
         }
         training = Training(settings, seed=seed, device=device)
         unfinished = {"kind": "unfinished tracker training", **made_of}
-        kept = {"every_steps": checkpoint_steps, "path_to_events": events}
-        steps = train_steps(training, scenes, n_workers=n_workers(device, threads))
-        with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
+        steps = train_steps(training, scenes, n_workers=threads - 1)
+        with TrainingRun(training, unfinished, **kept) as taken:
             taken.take(steps, settings.n_steps, "tracker")
             n_shown = training.step * settings.batch_size
             epochs = n_shown / (settings.n_copies * scenes.n_per_epoch)

@@ -15,7 +15,6 @@ from torch.utils.tensorboard import SummaryWriter
 from lib.progress import available_memory_mb, progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
-from snowsim.training import is_gpu
 
 LOGGED_EVERY = 10  # [steps] between events for TensorBoard
 SHOWN_EVERY = 50  # [steps] between losses beside the progress bar
@@ -23,26 +22,21 @@ SHOWN_EVERY = 50  # [steps] between losses beside the progress bar
 logger = logging.getLogger("snowsim")
 
 
-def n_workers(device, threads):
-    """Processes that prepare inputs beside a GPU: one for each other thread of the job."""
-    return threads - 1 if is_gpu(device) else 0
-
-
 class TrainingRun:
     """A training with its checkpoint, losses and logs, as a context.
 
-    The checkpoint is a `.safetensors` file, written every `every_steps` steps. `expected` describes
-    the training, in values that JSON can hold; ValueError on entry if the checkpoint describes
-    another one or is truncated. The checkpoint is removed when the block ends well, and when a loss
-    is not finite, since another try would end alike. Events for TensorBoard go to the folder
-    `path_to_events`.
+    `checkpoint` is a `.safetensors` file, written every `checkpoint_steps` steps. `expected`
+    describes the training, in values that JSON can hold; ValueError on entry if the checkpoint
+    describes another one or is truncated. The checkpoint is removed when the block ends well, and
+    when a loss is not finite, since another try would end alike. `events` is a folder for those of
+    TensorBoard.
     """
 
-    def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None):
+    def __init__(self, training, expected, *, checkpoint, checkpoint_steps, events=None):
         self.training = training
-        self.every_steps = every_steps
-        self._path = Path(path_to_checkpoint)
-        self._events_path = path_to_events
+        self._path = Path(checkpoint)
+        self._every_steps = checkpoint_steps
+        self._events_path = events
         self._expected = {**expected, "version": __version__}
         self._losses = []
         self._events = None
@@ -79,7 +73,7 @@ class TrainingRun:
                 bar.set_postfix_str(shown, refresh=False)
             bar.update(step - bar.n)
             # Steps come one by one, on a GPU several at a time.
-            if step // self.every_steps > saved // self.every_steps and step < n_steps:
+            if step // self._every_steps > saved // self._every_steps and step < n_steps:
                 self._save(step)
                 saved = step
         bar.close()
