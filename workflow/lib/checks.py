@@ -40,12 +40,18 @@ def _time(path):
     return path.stat().st_mtime
 
 
+def _existing(name):
+    """A folder, or what there is of the way to it."""
+    folder = Path(name).absolute()
+    while not folder.exists():
+        folder = folder.parent
+    return folder
+
+
 def check_folders(*names):
     """ValueError if a folder cannot be written."""
     for name in names:
-        folder = Path(name).absolute()
-        while not folder.exists():
-            folder = folder.parent
+        folder = _existing(name)
         if not os.access(folder, os.W_OK):
             msg = f"disk: {name}/ cannot be written: {folder} is read-only"
             raise ValueError(msg)
@@ -53,11 +59,9 @@ def check_folders(*names):
 
 def check_disk(scenes_mb, name="results"):
     """ValueError unless results fit on a folder's disk; `scenes_mb`: frames and scenes [MB]."""
-    needed_bytes = 1e6 * (scenes_mb + SMALL_FILES_MB)
-    folder = Path(name).absolute()
-    folder = folder if folder.exists() else folder.parent
-    free_bytes = shutil.disk_usage(folder).free
-    if free_bytes < needed_bytes:
-        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, "
-        msg += f"{folder} has {free_bytes / 1e6:.0f} MB left"
+    needed_mb = scenes_mb + SMALL_FILES_MB
+    folder = _existing(name)
+    free_mb = shutil.disk_usage(folder).free / 1e6
+    if free_mb < needed_mb:
+        msg = f"disk: this run writes about {needed_mb:.0f} MB, {folder} has {free_mb:.0f} MB left"
         raise ValueError(msg)

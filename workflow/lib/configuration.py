@@ -3,7 +3,7 @@
 The package defines its settings by dataclasses; all other settings stand in config.schema.yaml.
 """
 
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 
 import jsonschema
@@ -24,14 +24,12 @@ def filled(config):
     """
     check(config)
     whole = dict(config)
-    others = dict(config["phy"])
-    recipe = others.pop("recipe", "measured")
-    settings = settings_from("phy", recipe_of("phy", recipe), others)
-    whole["phy"] = {"recipe": recipe, **asdict(settings)}
+    phy = {"recipe": "measured"} | config["phy"]
+    settings = settings_from("phy", *recipe_of("phy", phy))
+    whole["phy"] = {"recipe": phy["recipe"], **asdict(settings)}
     trained = {}
     for stage in ("cgan", "tracker"):
-        others = dict(config[stage])
-        recipe = recipe_of(stage, others.pop("recipe", None))
+        recipe, others = recipe_of(stage, config[stage])
         trained[stage] = settings_from(f"{stage}.training", recipe, others.get("training", {}))
         whole[stage] = others | {"training": asdict(trained[stage])}
     pretrained = config["pretrained"]
@@ -40,28 +38,20 @@ def filled(config):
     named = config["reference"]
     if isinstance(named, str):
         named = {"recipe": named}
-    profile = recipe_of("reference", named.get("recipe"))
-    groups = {name: group for name, group in named.items() if name != "recipe"}
-    whole["reference"] = asdict(settings_from("reference", profile, groups))
+    whole["reference"] = asdict(settings_from("reference", *recipe_of("reference", named)))
     return whole
 
 
-def names_of(stage):
-    """Names of the settings of a stage that the package defines."""
-    [default, *_] = RECIPES[stage].values()
-    return [each.name for each in fields(default)]
-
-
-def recipe_of(stage, name):
-    """The recipe of a stage by its name, or the default if that is None."""
+def recipe_of(stage, section):
+    """The recipe that a section of the configuration names, or the default, and its other keys."""
     recipes = RECIPES[stage]
-    if name is None:
-        return next(iter(recipes.values()))
+    others = dict(section)
+    name = others.pop("recipe", None) or next(iter(recipes))
     if name not in recipes:
         key = stage if stage == "reference" else f"{stage}.recipe"
         msg = f"config: {key}: expected {' or '.join(recipes)}, got {name}"
         raise ValueError(msg)
-    return recipes[name]
+    return recipes[name], others
 
 
 def settings_from(section, recipe, named):
@@ -76,7 +66,7 @@ def settings_from(section, recipe, named):
 def read_schema():
     """JSON Schema of a configuration; it knows settings of the package by name, not by limits."""
     schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
-    schema["properties"]["phy"]["properties"] |= dict.fromkeys(names_of("phy"), {})
+    schema["properties"]["phy"]["properties"] |= dict.fromkeys(asdict(PHY["measured"]), {})
     return schema
 
 
