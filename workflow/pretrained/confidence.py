@@ -16,22 +16,19 @@ F_KNOWN_TO = 0.0025  # of the tuning flights' 320 scenes
 
 
 def fit_confidence(logits, scenes, calibration):
-    """Coefficients of the confidence of picks, by scenes with every layer annotated."""
+    """Coefficients of `confidence` by which hits are most likely, (offset, near, far).
+
+    A pick of scenes with every layer annotated is a hit if a layer lies within 2 rows of it;
+    ValueError without a pick.
+    """
     seen = [np.empty((2, 0))]
     hits = [np.empty(0, bool)]
     for each, scene in zip(logits, scenes, strict=True):
         for piece in pieces_of(each, calibration):
             seen.append(features(piece, each.shape[1]))
             hits.append(near_a_layer(piece.row, piece.line, scene))
-    return fit_coefficients(np.concatenate(seen, axis=1), np.concatenate(hits))
-
-
-def fit_coefficients(seen, hits):
-    """Coefficients of `confidence` by which hits are most likely, (offset, near, far).
-
-    `seen` are the `features` (2, pick) of picks on annotated scenes, `hits` (pick,) whether a layer
-    lies within 2 rows of each; ValueError without a pick.
-    """
+    seen = np.concatenate(seen, axis=1)
+    hits = np.concatenate(hits)
     check_count("picks to fit their confidence to", hits.size)
     terms = np.vstack([np.ones(hits.size), seen])
     sign = np.where(hits, -1.0, 1.0)

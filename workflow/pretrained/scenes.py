@@ -71,26 +71,25 @@ def training_scenes(flight, variants, n_scenes, *, n_varied, n_range_lines, phy,
 
     From `n_varied` on they are clean firn, before that `varied_scenes` of a flight's statistics.
     """
-    numbers = {"varied": [], "firn": []}
-    for variant in variants:
-        numbers["varied" if variant < n_varied else "firn"].append(variant)
     common = {"n_range_lines": n_range_lines, "seed": seed}
-    yield from varied_scenes(flight, numbers["varied"], n_scenes, phy=phy, **common)
-    yield from firn_scenes(flight, numbers["firn"], n_scenes, **common)
+    for variant in variants:
+        if variant < n_varied:
+            yield from varied_scenes(flight, variant, n_scenes, phy=phy, **common)
+        else:
+            yield from firn_scenes(flight, variant, n_scenes, **common)
 
 
-def firn_scenes(flight, variants, n_scenes, *, n_range_lines, seed):
+def firn_scenes(flight, variant, n_scenes, *, n_range_lines, seed):
     """Scenes of clean firn, each with a climate and a radar of its own, see `FirnRanges`.
 
     Range bins and the distance of range lines are those of a flight's statistics.
     """
     radar = {"bin_s": flight.attrs["bin_size_s"], "line_spacing_m": flight.attrs["line_spacing_m"]}
-    for variant in variants:
-        for number in range(n_scenes):
-            name = f"variant_{variant:03d}_{number:03d}"
-            rng = random_stream(seed, "firn_scenes", name)
-            drawn = FirnRanges().draw(rng=rng, **radar)
-            yield firn_scene(name, *drawn, n_range_lines=n_range_lines, rng=rng)
+    for number in range(n_scenes):
+        name = f"variant_{variant:03d}_{number:03d}"
+        rng = random_stream(seed, "firn_scenes", name)
+        drawn = FirnRanges().draw(rng=rng, **radar)
+        yield firn_scene(name, *drawn, n_range_lines=n_range_lines, rng=rng)
 
 
 def firn_scene(name, climate, radar, *, n_range_lines, rng):
@@ -112,34 +111,33 @@ def firn_scene(name, climate, radar, *, n_range_lines, rng):
     )
 
 
-def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
-    """`n_scenes` scenes of each of some variants of a flight's statistics, rendered by PHY.
+def varied_scenes(flight, variant, n_scenes, *, n_range_lines, phy, seed):
+    """`n_scenes` scenes of a variant of a flight's statistics, by its number, rendered by PHY.
 
-    Variants are numbers; looks and correlation of speckle are theirs, whatever `phy` says. So are
-    crusts between layers and bands of coherent noise, which are not labelled, the distance of range
-    lines, and the range bins that a scene is drawn in before it is resampled to the flight's. One
-    variant in `EVERY` is the flight itself.
+    Looks and correlation of speckle are the variant's, whatever `phy` says. So are crusts between
+    layers and bands of coherent noise, which are not labelled, the distance of range lines, and the
+    range bins that a scene is drawn in before it is resampled to the flight's. One variant in
+    `EVERY` is the flight itself.
     """
     phy = phy | {"n_looks": None}
-    for variant in variants:
-        statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
-        # Lines farther apart are lines left out.
-        spacing = statistics.attrs["varied_line_spacing"]
-        lines = (np.arange(n_range_lines) * spacing).astype(int)
-        n_drawn = int(lines[-1]) + 1
-        model = prepare(statistics, n_drawn)
-        clutter = clutter_of(statistics)
-        for number in range(n_scenes):
-            name = f"variant_{variant:03d}_{number:03d}"
-            # By scene, never by shard: how scenes are divided must not change them.
-            rng = random_stream(seed, "varied_scenes", name)
-            drawn = labelled(on_lines(draw_scene(model, n_drawn, name=name, rng=rng), lines))
-            echoes = with_crusts(drawn.echoes, clutter, rng=rng)
-            shape = (drawn.n_range_bins, n_range_lines)
-            coherent = bands(shape, echoes.noise_power, clutter, rng=rng)
-            cluttered = dataclasses.replace(drawn, echoes=echoes)
-            rendered = render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
-            yield in_bins(rendered, statistics.attrs["varied_bin_size"])
+    statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
+    # Lines farther apart are lines left out.
+    spacing = statistics.attrs["varied_line_spacing"]
+    lines = (np.arange(n_range_lines) * spacing).astype(int)
+    n_drawn = int(lines[-1]) + 1
+    model = prepare(statistics, n_drawn)
+    clutter = clutter_of(statistics)
+    for number in range(n_scenes):
+        name = f"variant_{variant:03d}_{number:03d}"
+        # By scene, never by shard: how scenes are divided must not change them.
+        rng = random_stream(seed, "varied_scenes", name)
+        drawn = labelled(on_lines(draw_scene(model, n_drawn, name=name, rng=rng), lines))
+        echoes = with_crusts(drawn.echoes, clutter, rng=rng)
+        shape = (drawn.n_range_bins, n_range_lines)
+        coherent = bands(shape, echoes.noise_power, clutter, rng=rng)
+        cluttered = dataclasses.replace(drawn, echoes=echoes)
+        rendered = render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
+        yield in_bins(rendered, statistics.attrs["varied_bin_size"])
 
 
 def variant_of(flight, variant, *, rng):
