@@ -135,8 +135,7 @@ class Tracker:
 
     def see(self, echogram, where="echogram"):
         """Evidence of one frame for `pick_together`; it does not keep the echogram's samples."""
-        seen = canonical(echogram, self.card, where)
-        return evidence_of(self._run, seen, self.card).without_data()
+        return evidence_of(self._run, canonical(echogram, self.card, where), self.card)
 
     def pick_together(self, evidence):
         """Layers of frames that follow one another, list of `see`: a name is one layer in all.

@@ -85,10 +85,10 @@ def calibrate(logits, scenes):
     return Calibration(
         offset=offset,
         temperature=temperature,
-        threshold=float(scores["ods_threshold"]),
-        ods=float(scores["ods"]),
-        ois=float(scores["ois"]),
-        ap=float(scores["ap"]),
+        threshold=scores["ods_threshold"],
+        ods=scores["ods"],
+        ois=scores["ois"],
+        ap=scores["ap"],
         deviation=curve.deviation,
     )
 

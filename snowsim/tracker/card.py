@@ -1,6 +1,6 @@
 """The card beside a tracker's weights: what they are, and for which echograms they were made."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -64,9 +64,9 @@ class Card:
     line_spacing_m: float
     temperature: float
     threshold: float
-    ranges: dict = field(default_factory=dict)
-    confidence: tuple = CONFIDENCE
-    echo_db: float = ECHO_DB
+    ranges: dict
+    confidence: tuple
+    echo_db: float
 
     @property
     def threshold_log_odds(self):
@@ -84,16 +84,14 @@ class Card:
 
 def checked_card(content, where):
     """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
-    coefficients = content.get("confidence", CONFIDENCE)
+    content = {"confidence": CONFIDENCE, "echo_db": ECHO_DB} | content
     held = content.get("ranges") or {}
     if not isinstance(held, dict):
         msg = f"{where}: ranges: expected limits by name, got {held!r}"
         raise ValueError(msg)
     ranges = {name: held[name] for name in RANGED if name in held}
-    numbers = {name: content.get(name) for name in NUMBERS}
+    numbers = {name: content.get(name) for name in SHAPES}
     numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
-    numbers["confidence"] = coefficients
-    numbers["echo_db"] = content.get("echo_db", ECHO_DB)
     for name, values in numbers.items():
         check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
         shape = SHAPES.get(name, (2,))
@@ -106,8 +104,8 @@ def checked_card(content, where):
         str(content.get("version")),
         **{name: float(content[name]) for name in NUMBERS},
         ranges={name: tuple(limits) for name, limits in ranges.items()},
-        confidence=tuple(coefficients),
-        echo_db=float(numbers["echo_db"]),
+        confidence=tuple(content["confidence"]),
+        echo_db=float(content["echo_db"]),
     )
 
 

@@ -121,20 +121,15 @@ def fused_logits(network, image):
 def _logits(network, image, precision):
     """Logits of an image, float32 (output, range_bin, range_line)."""
     image = np.asarray(image)
-    check_image(image)
-    device = next(network.parameters()).device
-    with torch.inference_mode(), arithmetic(device, precision):
-        logits = network(network.to_input(image[None]).to(device))
-        return logits[:, 0, 0].float()
-
-
-def check_image(image):
-    """ValueError unless an image is uint8 (range_bin, range_line) and has contrast."""
     is_image = image.dtype == np.uint8 and image.ndim == 2 and image.size > 0
     if not (is_image and image.min() < image.max()):
         msg = "image must be uint8 (range_bin, range_line) with contrast, "
         msg += f"got {image.dtype} of shape {image.shape}"
         raise ValueError(msg)
+    device = next(network.parameters()).device
+    with torch.inference_mode(), arithmetic(device, precision):
+        logits = network(network.to_input(image[None]).to(device))
+        return logits[:, 0, 0].float()
 
 
 def cost_of_logits(logits, layer):

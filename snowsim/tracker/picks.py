@@ -83,20 +83,16 @@ def pick_layers(probability, *, threshold, where="image"):
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the network saw in a frame.
+    """What the network saw in a frame, whose samples are not kept.
 
-    `surface` are rows, and `surface_excess` log-odds above even ones, on range lines of the image.
+    `surface` are rows, and `surface_excess` log-odds above the threshold, on range lines of the
+    image.
     """
 
     canonical: Canonical
     candidates: Candidates
     surface: np.ndarray
     surface_excess: np.ndarray
-
-    def without_data(self):
-        """The same, holding the echogram's along-track variables alone."""
-        echogram = self.canonical.echogram.drop_vars("Data")
-        return replace(self, canonical=replace(self.canonical, echogram=echogram))
 
 
 def evidence_of(run, canonical, card):
@@ -108,7 +104,8 @@ def evidence_of(run, canonical, card):
         found = find_candidates(log_odds, threshold)
         deepest = deepest_row(image, canonical.grey(card.echo_db))
         parts.append(found.where(found.row <= deepest[found.line]))
-    return _split_surface(canonical, Candidates.concatenated(parts), threshold)
+    without_samples = replace(canonical, echogram=canonical.echogram.drop_vars("Data"))
+    return _split_surface(without_samples, Candidates.concatenated(parts), threshold)
 
 
 def deepest_row(image, grey):

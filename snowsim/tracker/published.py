@@ -95,18 +95,6 @@ def published_rate(settings, n_updates, epoch):
     return 0.1 ** (n_updates // settings.n_steps_per_tenth)
 
 
-def copy_at(step, scenes, settings, seed):
-    """Image and mask, as stacks of one, of the scaled or mirrored scene that step `step` shows.
-
-    An epoch shows every scene once at each scale and once mirrored, in random order.
-    """
-    draw, copy = copy_shown(step, scenes.n_per_epoch, settings.n_copies, seed)
-    is_mirrored = copy == len(settings.scales)
-    scale = 1 if is_mirrored else settings.scales[copy]
-    image, mask = whole_copy(scenes[draw], scale, is_mirrored)
-    return image[None], mask[None]
-
-
 def cost_of_probabilities(logits, layer):
     """Cross-entropy of each pixel from float32 probabilities; logarithms are cut at -100."""
     probability = torch.sigmoid(logits.float())
@@ -117,9 +105,10 @@ def cost_of_probabilities(logits, layer):
 def published_training(training, scenes):
     """The batch of every step, a scaled or mirrored scene, and the function that takes it.
 
-    A step adds a gradient to a sum. An update follows `n_accumulated` gradients, counted anew in
-    every epoch; gradients left over at the end of an epoch stay in the sum. ValueError if an epoch
-    has too few gradients for one update.
+    An epoch shows every scene once at each scale and once mirrored, in random order. A step adds a
+    gradient to a sum. An update follows `n_accumulated` gradients, counted anew in every epoch;
+    gradients left over at the end of an epoch stay in the sum. ValueError if an epoch has too few
+    gradients for one update.
     """
     settings = training.settings
     n_per_epoch = settings.n_copies * scenes.n_per_epoch
@@ -127,8 +116,14 @@ def published_training(training, scenes):
     check_count("gradients of an epoch", n_per_epoch, n_accumulated)
 
     def batch_at(step):
-        images, masks = copy_at(step, scenes, settings, training.seed)
-        return {"image": training.network.to_input(images), "mask": torch.from_numpy(masks)}
+        draw, copy = copy_shown(step, scenes.n_per_epoch, settings.n_copies, training.seed)
+        is_mirrored = copy == len(settings.scales)
+        scale = 1 if is_mirrored else settings.scales[copy]
+        image, mask = whole_copy(scenes[draw], scale, is_mirrored)
+        return {
+            "image": training.network.to_input(image[None]),
+            "mask": torch.from_numpy(mask[None]),
+        }
 
     def gradient(batch):
         """Add a gradient to the sum; the loss per pixel of each output, (output,)."""

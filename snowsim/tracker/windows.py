@@ -52,22 +52,19 @@ def runner(weights, temperature=1.0, where="weights"):
     return run
 
 
-def log_odds_by_lines(
-    run, image_of, n_rows, n_lines, *, window_lines=WINDOW_LINES, window_rows=WINDOW_ROWS
-):
+def log_odds_by_lines(run, image_of, n_rows, n_lines):
     """First range line, log-odds and image (row, range_line) of stretches of range lines, in order.
 
     `run` gives log-odds of a stack of inputs, `image_of(first, stop)` the 8-bit image (row,
-    range_line) of range lines; no more than a window of either is in memory. Windows are whole
-    multiples of `GRID_LINES` and `GRID_ROWS`.
+    range_line) of range lines; no more than a window of either is in memory.
     """
-    for first in shown(range(0, n_lines, window_lines), unit="window"):
-        stop = min(first + window_lines, n_lines)
+    for first in shown(range(0, n_lines, WINDOW_LINES), unit="window"):
+        stop = min(first + WINDOW_LINES, n_lines)
         left = max(0, first - MARGIN_LINES)
         image = image_of(left, min(stop + MARGIN_LINES, n_lines))
         log_odds = np.empty((n_rows, stop - first), dtype=np.float32)
-        for top in range(0, n_rows, window_rows):
-            bottom = min(top + window_rows, n_rows)
+        for top in range(0, n_rows, WINDOW_ROWS):
+            bottom = min(top + WINDOW_ROWS, n_rows)
             above = max(0, top - MARGIN_ROWS)
             window = image[above : min(bottom + MARGIN_ROWS, n_rows)]
             found = run(to_input(window))[0, 0]
