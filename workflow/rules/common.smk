@@ -71,7 +71,7 @@ wildcard_constraints:
     split="|".join(SPLITS),
     scenes="labels|test",
     training_set="|".join(TRAINING_SETS | ALONE),
-    scored_set="|".join(TRAINING_SETS | ALONE),
+    scored_set=r"\w+",
     set="rd|pd|gd",
     format="pairs|netcdf",
 

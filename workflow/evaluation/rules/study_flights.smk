@@ -16,7 +16,6 @@ SCORED_SETS = [*TRAINING_SETS, *ALONE, *CONTROLS]
 wildcard_constraints:
     flight=r"\d+",
     control="|".join(CONTROLS),
-    scored_set="|".join(SCORED_SETS),
 
 
 # One flight: the main path and, beside it, trainings on the controls.
