@@ -55,11 +55,10 @@ class Candidates:
     @staticmethod
     def concatenated(parts):
         """Candidates of stretches of range lines, one after another."""
-        n_before = np.cumsum([0, *(part.row.size for part in parts)])
-        firsts = [part.first[:-1] + n for part, n in zip(parts, n_before[:-1], strict=True)]
-        first = np.concatenate([*firsts, n_before[-1:]])
+        n_by_line = np.concatenate([np.diff(part.first) for part in parts])
         rows = np.concatenate([part.row for part in parts])
-        return Candidates(first, rows, np.concatenate([part.log_odds for part in parts]))
+        log_odds = np.concatenate([part.log_odds for part in parts])
+        return Candidates(np.r_[0, np.cumsum(n_by_line)], rows, log_odds)
 
 
 @dataclass(frozen=True, eq=False)

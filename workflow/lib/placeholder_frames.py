@@ -5,6 +5,7 @@ import xarray as xr
 
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.echogram import from_uint8
+from snowsim.io import echogram
 
 # Metres in a degree of latitude, on the sphere that `echogram.along_track_m` uses.
 METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180
@@ -25,8 +26,8 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     power = (10 ** (power_db / 10)).astype(np.float32)
     north_m = np.arange(scene.n_range_lines) * line_spacing_m
     latitude = 70 + north_m / METRES_PER_DEGREE
-    echogram, layers = placeholder_frame(power, scene.layer_bins, latitude, bin_s=bin_s)
-    return echogram.assign_attrs(source_format="8-bit image", name=scene.name), layers
+    frame, layers = placeholder_frame(power, scene.layer_bins, latitude, bin_s=bin_s)
+    return frame.assign_attrs(source_format="8-bit image", name=scene.name), layers
 
 
 def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
@@ -40,18 +41,14 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
     milliseconds = 60_000 * minute + np.arange(n_lines)
     slow_time = np.datetime64("2012-01-01", "ns") + milliseconds * np.timedelta64(1, "ms")
     twtt = layer_bins * bin_s
-    echogram = xr.Dataset(
-        {
-            "Data": (("twtt", "slow_time"), power),
-            "Latitude": ("slow_time", latitude),
-            "Longitude": ("slow_time", np.full(n_lines, -40.0)),
-            "Elevation": ("slow_time", np.zeros(n_lines)),
-            "Surface": ("slow_time", twtt[0]),
-        },
-        coords={
-            "twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}),
-            "slow_time": slow_time,
-        },
+    frame = echogram(
+        power,
+        twtt=bin_s * np.arange(len(power)),
+        slow_time=slow_time,
+        Latitude=latitude,
+        Longitude=np.full(n_lines, -40.0),
+        Elevation=np.zeros(n_lines),
+        Surface=twtt[0],
     )
     dims = ("layer", "slow_time")
     layers = xr.Dataset(
@@ -62,4 +59,4 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
         },
         {"slow_time": slow_time},
     )
-    return echogram, layers
+    return frame, layers

@@ -61,17 +61,18 @@ def counts_by_image(table, output, grid="quantiles"):
     return [{name: group[name].to_numpy() for name in names} for _, group in by_scene]
 
 
-def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS, grid="quantiles"):
+def counts_of_runs(tables, training_sets, n_replicas, grid="quantiles"):
     """Counts of trainings for `tracker_intervals`, at the thresholds of one grid.
 
     `tables` holds one table for each training, all replicas of the first training set first, as
     from `lib.tracker_scores.count_edges`.
     """
-    counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
-    keys = [training_set for training_set in training_sets for _ in range(n_replicas)]
-    for training_set, table in zip(keys, tables, strict=True):
-        for output in outputs:
-            counts[training_set, output].append(counts_by_image(table, output, grid))
+    counts = {}
+    for number, training_set in enumerate(training_sets):
+        replicas = tables[number * n_replicas :][:n_replicas]
+        for output in OUTPUTS:
+            of_output = [counts_by_image(table, output, grid) for table in replicas]
+            counts[training_set, output] = of_output
     return counts
 
 

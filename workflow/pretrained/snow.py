@@ -205,15 +205,17 @@ def rows_of_flight(name, snows, tracker, scale):
         logits = fused_logits(tracker.network, resized(scene.image, scale))
         return followed(logits, tracker, scene.image.shape)
 
-    def baseline(scene):
-        return followed(baseline_logits(scene.image), UNTRAINED, scene.image.shape)
-
-    def ridges(scene):
-        return followed(ridge_logits(scene.image), UNTRAINED, scene.image.shape)
+    def untrained(logits_of):
+        return lambda scene: followed(logits_of(scene.image), UNTRAINED, scene.image.shape)
 
     def true(scene):
         below = scene.layer_bins[1:]
         return Picks(below, np.ones(below.shape))
 
-    ways = {"universal": tracked, "baseline": baseline, "sato": ridges, "true horizons": true}
+    ways = {
+        "universal": tracked,
+        "baseline": untrained(baseline_logits),
+        "sato": untrained(ridge_logits),
+        "true horizons": true,
+    }
     return [scored_snow(name, snows, way, picks_of) for way, picks_of in ways.items()]
