@@ -53,8 +53,8 @@ def _rows_at(line, pieces, ends):
     """Rows of the pieces on a range line, by their number, downwards."""
     start, stop = ends
     there = np.flatnonzero((start <= line) & (line <= stop))
-    rows = {n: float(pieces[n].at(line)) for n in there}
-    return dict(sorted(rows.items(), key=lambda item: item[1]))
+    rows = {n: pieces[n].at(line) for n in there}
+    return {n: rows[n] for n in sorted(rows, key=rows.get)}
 
 
 def _next_below(pieces):

@@ -70,11 +70,11 @@ class Piece:
     excess: np.ndarray
 
     def at(self, line):
-        """Rows at range lines, straight between those of the chain."""
-        # Only what lies around them: a chain may run through a whole segment.
-        first = max(0, np.searchsorted(self.line, np.min(line), "right") - 1)
-        around = slice(first, np.searchsorted(self.line, np.max(line)) + 1)
-        return np.interp(line, self.line[around], self.row[around])
+        """Row at a range line, straight between those of the chain."""
+        # Only what lies around it: a chain may run through a whole segment.
+        first = max(0, np.searchsorted(self.line, line, "right") - 1)
+        around = slice(first, np.searchsorted(self.line, line) + 1)
+        return float(np.interp(line, self.line[around], self.row[around]))
 
 
 def find_candidates(log_odds, threshold):

@@ -46,15 +46,6 @@ def test_peaks_of_a_parabola_are_its_vertices():
     assert_array_equal(found.line, [0, 1, 2])
 
 
-def test_a_layer_is_one_piece_over_lines_without_candidates_and_specks_are_none():
-    lines = [[(50 + 0.1 * line, 2.0)] if line % 20 > 3 else [] for line in range(300)]
-    for line in (40, 41, 42):
-        lines[line].append((90, 5.0))
-    (piece,) = link(candidates_of(lines), EVEN)
-    assert_allclose(piece.row, 50 + 0.1 * piece.line, rtol=1e-6)
-    assert piece.line.size == 240
-
-
 def test_the_way_through_a_fade_is_the_one_with_more_evidence():
     # Two ways between the halves of a layer: straight, and weaker, or round by 2 rows.
     lines = []
@@ -162,13 +153,6 @@ def test_gaps_are_bridged_up_to_the_longest_and_specks_are_dropped():
     picks = pick_layers(mask, threshold=0.5)
     assert np.isfinite(picks).sum(axis=1).tolist() == [256, 136, 100]
     assert pick_layers(np.zeros((50, 60)), threshold=0.5).shape == (0, 60)
-
-
-def test_picks_of_single_precision_are_those_of_its_values_in_double(rng):
-    edges = rng.random((80, 60), dtype=np.float32)
-    picks = pick_layers(edges, threshold=0.3)
-    check_layer_bins(picks)
-    assert_array_equal(picks, pick_layers(edges.astype(float), threshold=0.3))
 
 
 @pytest.mark.parametrize(

@@ -75,29 +75,24 @@ def test_without_positions_lines_are_used_as_they_are_and_that_is_said(tracker, 
 @pytest.mark.parametrize(
     ("surface", "message"),
     [
-        (np.nan, "the file has no surface"),
-        (40 * BIN_S, "surface is wrong on 300 of 300 range lines"),
-        (0.0, "the file has no surface"),
-        (1.0, "surface lies outside the window on 300 of 300 range lines"),
+        (lambda given: np.nan, "the file has no surface"),
+        (lambda given: 0.0, "the file has no surface"),
+        (lambda given: 40 * BIN_S, "surface is wrong on 300 of 300 range lines"),
+        (lambda given: 1.0, "surface lies outside the window on 300 of 300 range lines"),
+        *(
+            (lambda given, off=off: given + off * BIN_S, "the file's surface is wrong on")
+            for off in (-13, -8, -5, 5, 8, 13)
+        ),
     ],
-    ids=["none", "in the air", "zero", "below the window"],
 )
 def test_a_surface_that_is_missing_or_wrong_is_found_and_that_is_said(
     tracker, frame, surface, message
 ):
     echogram, layers = frame
-    echogram["Surface"][:] = surface
+    echogram["Surface"][:] = surface(echogram["Surface"])
     with pytest.warns(UserWarning, match=message):
         found = check_found(tracker, echogram, layers)
     assert message in found.attrs["notes"]
-
-
-@pytest.mark.parametrize("off_bins", [-13, -8, -5, 5, 8, 13])
-def test_a_surface_some_bins_off_is_corrected_and_that_is_said(tracker, frame, off_bins):
-    echogram, layers = frame
-    echogram["Surface"][:] += off_bins * BIN_S
-    with pytest.warns(UserWarning, match="the file's surface is wrong on"):
-        found = check_found(tracker, echogram, layers)
     assert found["confidence"].values[0].mean() > 0.8
 
 
@@ -116,29 +111,25 @@ def off_bins(tracker, echogram, surface):
     return grid.surface_row + grid.top - (surface - echogram["twtt"].values[0]) / grid.bin_s
 
 
-@pytest.mark.parametrize("n_looks", [1, 16])
-@pytest.mark.parametrize("n_air_bins", [46, 9], ids=["much air", "little air"])
-def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_looks, n_air_bins):
+@pytest.mark.parametrize(
+    ("n_looks", "n_air_bins", "given"),
+    [
+        *((n_looks, n_air_bins, True) for n_looks in (1, 16) for n_air_bins in (46, 9)),
+        *((n_looks, n_air_bins, False) for n_looks in (1, 16) for n_air_bins in (46, 9)),
+        (1, 1, True),  # too little air to judge a surface
+        (1, 0, False),
+    ],
+)
+def test_a_surface_below_bins_that_were_not_recorded_stays_or_is_found(
+    tracker, rng, n_looks, n_air_bins, given
+):
     echogram = with_looks(planted(rng)[0], n_looks, rng)
     surface = with_slanting_window(echogram, n_air_bins)
-    assert not off_bins(tracker, echogram, surface).any()
-    echogram["Surface"][:] = np.nan
-    assert np.abs(off_bins(tracker, echogram, surface)).max() < 8
-
-
-def test_a_given_surface_stays_where_too_little_air_was_recorded_to_judge_it(tracker, rng):
-    echogram = with_looks(planted(rng)[0], 1, rng)
-    surface = with_slanting_window(echogram, 1)
-    assert not off_bins(tracker, echogram, surface).any()
-
-
-def test_a_surface_that_is_not_given_is_found_where_hardly_any_air_was_recorded(tracker, rng):
-    echogram = with_looks(planted(rng)[0], 1, rng)
-    surface = with_slanting_window(echogram, 0)
-    echogram["Surface"][:] = np.nan
+    if not given:
+        echogram["Surface"][:] = np.nan
     off = np.abs(off_bins(tracker, echogram, surface))
-    # The next layer lies 40 bins below.
-    assert (off < 8).mean() > 0.99
+    # The next layer lies 40 bins below; without any air a few lines may take it.
+    assert (off <= (0 if given else 8)).mean() >= (1 if n_air_bins else 0.99)
 
 
 def with_slanting_window(echogram, n_air_bins):

@@ -19,7 +19,6 @@ from runs import (
 from snakemake.utils import update_config
 
 from lib.configuration import RECIPES, filled
-from snowsim import cgan, tracker
 
 
 def at_the_limits(limits, is_whole):
@@ -78,11 +77,6 @@ def test_the_default_names_what_a_user_turns_and_no_setting_of_a_recipe():
             names = {each.name for each in fields(next(iter(recipes.values())))}
             assert not names & set(WRITTEN[stage]), stage
             assert WRITTEN[stage]["recipe"] == next(iter(recipes))
-
-
-def test_the_default_recipes_are_those_of_the_package():
-    assert tracker.Settings(**CONFIG["tracker"]["training"]) == tracker.Settings()
-    assert cgan.Settings(**CONFIG["cgan"]["training"]) == cgan.Settings()
 
 
 def test_a_setting_named_beside_a_recipe_wins_and_the_rest_is_the_recipe_s():

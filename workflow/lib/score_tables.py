@@ -99,11 +99,7 @@ def tracker_intervals(
     n_images, n_without_truth`. How images without truth count is said at
     `snowsim.metrics.edges.score`.
     """
-    stacked = {
-        key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()
-    }
-    base = training_sets[0]
-    first = counts[base, outputs[0]]
+    first = counts[training_sets[0], outputs[0]]
     n_replicas = len(first)
     n_images = len(first[0])
     n_without_truth = score(first[0])["n_without_truth"]
@@ -111,17 +107,17 @@ def tracker_intervals(
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images))
         for _ in range(n_bootstrap)
     ]
-    rows = []
     scored = partial(score, as_published=grid == "published")
-    means = {key: _means(replicas, scored) for key, replicas in stacked.items()}
-    resampled = {key: _resampled(replicas, draws, scored) for key, replicas in stacked.items()}
+    rows = []
     for output, training_set in product(outputs, training_sets):
-        mean = means[training_set, output]
-        base_mean = means[base, output]
-        here = resampled[training_set, output]
+        replicas = [stack_counts(images) for images in counts[training_set, output]]
+        mean = _means(replicas, scored)
+        here = _resampled(replicas, draws, scored)
+        if training_set == training_sets[0]:
+            base_mean = mean
+            base = here
         low, high = np.percentile(here, [2.5, 97.5], axis=0)
-        differences = here - resampled[base, output]
-        difference_low, difference_high = np.percentile(differences, [2.5, 97.5], axis=0)
+        difference_low, difference_high = np.percentile(here - base, [2.5, 97.5], axis=0)
         for metric, name in NAMES[grid].items():
             index = METRICS.index(metric)
             row = {

@@ -75,11 +75,11 @@ def count_output(edges, name, mask, thresholds, grid, output):
 
 def best_thresholds(counts, outputs=OUTPUTS):
     """Threshold with the best F of a table of `count_edges`, by output."""
-    images = {output: counts_by_image(counts, output) for output in outputs}
-    return {
-        output: score(of_output, of_output[0]["threshold"])["ods_threshold"]
-        for output, of_output in images.items()
-    }
+    best = {}
+    for output in outputs:
+        images = counts_by_image(counts, output)
+        best[output] = score(images, images[0]["threshold"])["ods_threshold"]
+    return best
 
 
 def pick_scenes(scenes, fused, counts):

@@ -8,15 +8,13 @@ from torch.nn import functional
 from snowsim.io.scenes import SceneSet
 
 AS_THEY_ARE = (1, 1)
-LEAST_SIZE = 16  # least number of range bins, and of range lines, after resampling
 
 
 def resized(image, scale):
     """An image resampled by the factors `scale` (range bins, range lines)."""
     if tuple(scale) == AS_THEY_ARE:
         return image
-    sizes = zip(image.shape, scale, strict=True)
-    size = tuple(max(LEAST_SIZE, round(n * factor)) for n, factor in sizes)
+    size = [round(n * factor) for n, factor in zip(image.shape, scale, strict=True)]
     batch = torch.from_numpy(image)[None, None]
     return functional.interpolate(batch, size=size, mode="bilinear", antialias=True)[0, 0].numpy()
 

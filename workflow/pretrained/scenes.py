@@ -168,12 +168,6 @@ def labelled(scene):
     return dataclasses.replace(scene, layer_bins=layer_bins)
 
 
-def at_layers(power, layer_bins):
-    """Power (range_bin, range_line) at layers, of their shape (layer, range_line)."""
-    row = np.rint(layer_bins).astype(int)
-    return power[row, np.arange(row.shape[1])]
-
-
 def seen_layers(own, power, layer_bins):
     """Whether layers can be seen, (layer,): they stand out, down to where they fade.
 
@@ -182,7 +176,8 @@ def seen_layers(own, power, layer_bins):
     network would learn to pick one in every tail. They end by `VISIBLE_DB`. `own` is the mean power
     of each, (layer, range_line), `power` that of the scene, (range_bin, range_line).
     """
-    others = at_layers(power, layer_bins) - own
+    row = np.rint(layer_bins).astype(int)
+    others = power[row, np.arange(row.shape[1])] - own
     seen = own.mean(axis=1) >= 10 ** (SEEN_DB / 10) * others.mean(axis=1)
     seen[len(visible_layers(power, layer_bins, VISIBLE_DB)) :] = False
     seen[0] = True

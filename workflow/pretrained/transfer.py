@@ -35,12 +35,12 @@ def scale_of(flight, radar):
 
 def check_flights(tuning, unseen, config):
     """ValueError unless names differ, seeds are those of their use, and settings are possible."""
-    names = Counter(flight["name"] for flight in [*tuning, *unseen])
-    for name, times in names.items():
-        if times > 1:
-            msg = f"config: flights: expected every name once, got {name} {times} times"
-            raise ValueError(msg)
-    for flight in [*tuning, *unseen]:
+    flights = [*tuning, *unseen]
+    [(name, times)] = Counter(flight["name"] for flight in flights).most_common(1)
+    if times > 1:
+        msg = f"config: flights: expected every name once, got {name} {times} times"
+        raise ValueError(msg)
+    for flight in flights:
         seed = flight["seed"]
         if (seed in TUNING_SEEDS) != (flight in tuning) or seed == config["seed"]:
             msg = f"config: flight {flight['name']}: expected a seed from 1000 to 1999 for tuning, "
