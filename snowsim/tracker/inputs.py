@@ -4,7 +4,7 @@ Range bins of the tracker's size, lines averaged to its spacing, the surface in 
 8 bits by the rule of the benchmark's scenes.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pandas as pd
@@ -107,8 +107,8 @@ class Canonical:
     noise_floor_db: float
     maximum_db: float
     surface_db: np.ndarray
-    notes: list = field(default_factory=list)
-    outside: bool = False
+    notes: list
+    outside: bool
 
     @property
     def recorded(self):

@@ -47,7 +47,10 @@ class MultiScaleNetwork(nn.Module):
 
     def forward(self, image):
         """Logits, (output, patch, 1, range_bin, range_line), of images made by `to_input`."""
-        x = self.averaged(image)
+        x = image
+        if self.n_averaged > 1:
+            # The last mean may be of fewer.
+            x = functional.avg_pool2d(image, (1, self.n_averaged), ceil_mode=True)
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
             if number:
@@ -60,13 +63,6 @@ class MultiScaleNetwork(nn.Module):
         # The 1x1 convolution that fuses maps is a product here: maps are not stacked as channels.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
-
-    def averaged(self, image):
-        """Images with every `n_averaged` range lines averaged; the last mean may be of fewer."""
-        if self.n_averaged == 1:
-            return image
-        size = (1, self.n_averaged)
-        return functional.avg_pool2d(image, size, ceil_mode=True)
 
     @staticmethod
     def to_input(images):

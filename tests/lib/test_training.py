@@ -36,7 +36,8 @@ class Counter:
 
 def counted(path, counter, made_of=7):
     """The run of a counter to 50."""
-    with TrainingRun(counter, {"made_of": made_of}, checkpoint=path, checkpoint_steps=7) as run:
+    kept = {"checkpoint": path, "checkpoint_steps": 7, "events": path.with_name("events")}
+    with TrainingRun(counter, {"made_of": made_of}, **kept) as run:
         run.take(counter.steps(50), 50, "counter")
     return run
 

@@ -21,28 +21,21 @@ def completed(scene, found):
     layer of its own. Layers come by their mean depth; rows without a pick are left out.
     """
     picked = scene.layer_bins
+    # A row without a layer, where none is found at all.
+    found = np.vstack([found, np.full(picked.shape[1], np.nan)])
     apart = np.abs(found[:, None] - picked)  # (found, picked, range_line)
     apart = np.nan_to_num(apart, nan=np.inf)
-    marked = [_moved(pick, found, apart[:, number]) for number, pick in enumerate(picked)]
+    nearest = np.take_along_axis(found, apart.argmin(axis=0), axis=0)
+    marked = np.where(apart.min(axis=0) <= APART_BINS, nearest, picked)
     # Infinite where nothing is picked.
     uppermost = np.nan_to_num(picked, nan=np.inf).min(axis=0)
     is_apart = (apart > APART_BINS).all(axis=1)
     new = np.where(is_apart & (found > uppermost), found, np.nan)
     n_lines = np.isfinite(new).sum(axis=1)
     new = new[n_lines >= SHORTEST_LINES]
-    layer_bins = np.array([*marked, *new], dtype=picked.dtype)
+    layer_bins = np.vstack([marked, new]).astype(picked.dtype)
     is_there = np.isfinite(layer_bins).any(axis=1)
     layer_bins = layer_bins[is_there]
     depth = np.nanmean(layer_bins, axis=1)
     by_depth = np.argsort(depth, kind="stable")
     return replace(scene, layer_bins=layer_bins[by_depth])
-
-
-def _moved(pick, found, apart):
-    """A pick on the nearest of `found` layers, on each range line where that is near enough."""
-    if len(found) == 0:
-        return pick
-    number = apart.argmin(axis=0)[None]
-    nearest = np.take_along_axis(found, number, axis=0)[0]
-    is_near = apart.min(axis=0) <= APART_BINS
-    return np.where(is_near, nearest, pick)

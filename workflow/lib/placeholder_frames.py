@@ -50,13 +50,13 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
         Elevation=np.zeros(n_lines),
         Surface=twtt[0],
     )
+    return frame, placeholder_layers(twtt, slow_time)
+
+
+def placeholder_layers(twtt, slow_time):
+    """Layers at travel times (layer, range_line) [s], all of them good and automatic."""
     dims = ("layer", "slow_time")
-    layers = xr.Dataset(
-        {
-            "twtt": (dims, twtt, {"units": "s"}),
-            "quality": (dims, np.full(twtt.shape, 1, dtype=np.uint8)),
-            "type": (dims, np.full(twtt.shape, 2, dtype=np.uint8)),
-        },
-        {"slow_time": slow_time},
-    )
-    return frame, layers
+    variables = {"twtt": (dims, twtt, {"units": "s"})}
+    for name, code in (("quality", 1), ("type", 2)):
+        variables[name] = (dims, np.full(twtt.shape, code, dtype=np.uint8))
+    return xr.Dataset(variables, {"slow_time": slow_time})

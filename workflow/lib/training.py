@@ -32,28 +32,25 @@ class TrainingRun:
     TensorBoard.
     """
 
-    def __init__(self, training, expected, *, checkpoint, checkpoint_steps, events=None):
+    def __init__(self, training, expected, *, checkpoint, checkpoint_steps, events):
         self.training = training
         self._path = Path(checkpoint)
         self._every_steps = checkpoint_steps
         self._events_path = events
         self._expected = {**expected, "version": __version__}
         self._losses = []
-        self._events = None
 
     def __enter__(self):
         # As the workflow does, so that a training called from elsewhere ends with the same bytes.
         torch.set_num_threads(1)
         if self._path.exists():
             self._resume()
-        if self._events_path is not None:
-            # Steps after the checkpoint are taken again, so their events are removed.
-            self._events = SummaryWriter(self._events_path, purge_step=self.training.step + 1)
+        # Steps after the checkpoint are taken again, so their events are removed.
+        self._events = SummaryWriter(self._events_path, purge_step=self.training.step + 1)
         return self
 
     def __exit__(self, kind, *exception):
-        if self._events is not None:
-            self._events.close()
+        self._events.close()
         if kind in (None, FloatingPointError):
             self._path.unlink(missing_ok=True)
 
@@ -98,7 +95,7 @@ class TrainingRun:
         logger.info("goes on from %s after %d steps", self._path, metadata["step"])
 
     def _log(self, losses, step):
-        if self._events is not None and step % LOGGED_EVERY == 0:
+        if step % LOGGED_EVERY == 0:
             for name, value in losses.items():
                 self._events.add_scalar(f"loss/{name}", value, step)
 

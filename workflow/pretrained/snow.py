@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from scipy.ndimage import gaussian_filter, gaussian_filter1d, uniform_filter
 from skimage.filters import sato
 
+from lib.placeholder_frames import placeholder_layers
 from pretrained.resizing import resized
 from pretrained.scores import Calibrated, Picks, followed, pick_scores
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
@@ -86,12 +86,10 @@ def layers_of(bins, sure, snow):
     sure = np.vstack([np.ones(surface.size), sure[deeper]])
     half_s = half_width_rows(sure) * BIN_S
     twtt = bins * snow.bin_s
-    on = ("layer", "slow_time")
-    variables = {"twtt": twtt, "twtt_low": twtt - half_s, "twtt_high": twtt + half_s}
-    variables |= dict.fromkeys(("quality", "type"), np.ones(bins.shape, np.uint8))
-    content = {name: (on, values) for name, values in (variables | {"confidence": sure}).items()}
     times = np.datetime64("2000-01-01", "ns") + np.arange(surface.size) * np.timedelta64(40, "ms")
-    return xr.Dataset(content, {"slow_time": times, "layer": np.arange(len(bins))})
+    layers = placeholder_layers(twtt, times).assign_coords(layer=np.arange(len(bins)))
+    added = {"twtt_low": twtt - half_s, "twtt_high": twtt + half_s, "confidence": sure}
+    return layers.assign({name: (layers["twtt"].dims, of) for name, of in added.items()})
 
 
 def water_above(horizons_s, depth_at, snow, line):
