@@ -129,7 +129,7 @@ class Canonical:
         own = slice(first * grid.n_averaged, stop * grid.n_averaged)
         power = _resampled(self.echogram, own, grid.bin_s)
         power_db = _level_db(power, grid.top[own], grid.n_rows, grid.n_averaged)
-        power_db = np.where(np.isfinite(power_db), power_db, self.noise_floor_db)
+        power_db = np.nan_to_num(power_db, nan=self.noise_floor_db)
         return to_grey(power_db, self.noise_floor_db, self.maximum_db)
 
 
@@ -222,19 +222,16 @@ def _of_block(echogram, lines, given, bin_s, n_averaged):
     power = _resampled(echogram, lines, bin_s)
     power_db = _in_db(power)
     surface, share = find_surface(power_db, given[lines])
-    largest_db = np.where(np.isfinite(power_db), power_db, -np.inf).max(axis=0)
+    largest_db = np.nanmax(power_db, axis=0, initial=-np.inf)
     if not np.isfinite(surface).any():
         return _Survey(surface, share, largest_db)
     top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
-    present = np.isfinite(level_db)
-    n_present = present.sum(axis=1)
-    filled = n_present > level_db.shape[1] / 2
+    filled = np.isfinite(level_db).mean(axis=1) > 0.5
     if not filled.any():
         return _Survey(surface, share, largest_db)
-    sums = np.where(present, level_db, 0).sum(axis=1, dtype=float)
-    noise_floor_db = (sums[filled] / n_present[filled]).min()
-    maxima = np.where(present, level_db, -np.inf).max(axis=0)
+    noise_floor_db = np.nanmean(level_db[filled], axis=1, dtype=float).min()
+    maxima = np.nanmax(level_db, axis=0, initial=-np.inf)
     maximum_db = maxima[maxima <= np.median(maxima) + SATURATED_DB].max()
     own = echogram["Data"].values[:, lines]
     n_looks = _looks_in_air(own, surface * (bin_s / bin_size_s(echogram)))
