@@ -164,11 +164,9 @@ class _Taken(NamedTuple):
 
 
 def _nothing_taken(n):
-    above_row = np.full(n, -np.inf, np.float32)
-    numbers = [np.full(n, NONE, np.int32) for _ in range(5)]
-    return _Taken(
-        numbers[0], np.ones(n, bool), numbers[1], above_row, numbers[2], -above_row, *numbers[3:]
-    )
+    chain, above, below, start, stop = np.full((5, n), NONE, np.int32)
+    far = np.full(n, np.inf, np.float32)
+    return _Taken(chain, np.ones(n, bool), above, -far, below, far, start, stop)
 
 
 @njit(cache=True)

@@ -55,12 +55,12 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert expected["radar"].pop("bin_size_s") == 2.886e-10
     assert found == expected
     # Bins a little more than half as long: an image has that share of rows once resampled.
-    radar = CONFIG["reference"]["radar"]
-    assert_allclose(scale_of(flight, radar), (1.6 / 2.886, 1))
+    reference = CONFIG["reference"]
+    assert_allclose(scale_of(flight, reference), (1.6 / 2.886, 1))
     # Lines are averaged where they are closer, and never invented.
     closer, farther = ({"reference": {"radar": {"line_spacing_m": at}}} for at in (2.6, 8.0))
-    assert_allclose(scale_of(closer, radar), (1, 2.6 / 5.2))
-    assert_allclose(scale_of(farther, radar), (1, 1))
+    assert_allclose(scale_of(closer, reference), (1, 2.6 / 5.2))
+    assert_allclose(scale_of(farther, reference), (1, 1))
 
 
 def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):

@@ -22,15 +22,15 @@ def reference_of(flight, reference):
     return changed
 
 
-def scale_of(flight, radar):
+def scale_of(flight, reference):
     """Factors that bring an image of a flight to the default's bins and lines: (bin, line).
 
     Lines farther apart than the default's are used as they are, as `snowsim track` does.
     """
-    own = flight.get("reference", {}).get("radar", {})
-    bins = own.get("bin_size_s", radar["bin_size_s"]) / radar["bin_size_s"]
-    lines = own.get("line_spacing_m", radar["line_spacing_m"]) / radar["line_spacing_m"]
-    return bins, min(lines, 1)
+    own = reference_of(flight, reference)["radar"]
+    radar = reference["radar"]
+    lines = own["line_spacing_m"] / radar["line_spacing_m"]
+    return own["bin_size_s"] / radar["bin_size_s"], min(lines, 1)
 
 
 def check_flights(tuning, unseen, config):

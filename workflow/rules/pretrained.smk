@@ -16,8 +16,7 @@ if workflow.is_main_process:
     or_refused(transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config)
 # Factors that resample range bins and range lines of another flight to the default's.
 SCALES = {
-    name: transfer.scale_of(flight, config["reference"]["radar"])
-    for name, flight in OTHER_FLIGHTS.items()
+    name: transfer.scale_of(flight, config["reference"]) for name, flight in OTHER_FLIGHTS.items()
 }
 
 
