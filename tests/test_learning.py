@@ -7,11 +7,15 @@ from snowsim.io import read_tracker
 from snowsim.learning import held_out_score, network_of_tracker, train_tracker
 from snowsim.tracker import network_of_onnx
 
-OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
+
+def train(path, scenes, **changes):
+    """The card of a tracker trained on scenes for a step."""
+    options = {"n_steps": 1, "seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
+    return train_tracker(path, [scenes], **options | changes)
 
 
 def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
-    card = train_tracker(tmp_path / "mine.onnx", [toy_scenes(11)], n_steps=3, **OWN)
+    card = train(tmp_path / "mine.onnx", toy_scenes(11), n_steps=3)
     content, read = read_tracker(tmp_path / "mine.onnx")
     assert read["name"] == "mine"
     assert (read["bin_s"], read["line_spacing_m"]) == (2e-10, 4.0)
@@ -22,13 +26,13 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
     network = network_of_onnx(content)
     assert (network.width, network.n_averaged) == (8, 2)
     again = tmp_path / "again.onnx"
-    train_tracker(again, [toy_scenes(11)], n_steps=3, **OWN)
+    train(again, toy_scenes(11), n_steps=3)
     assert again.read_bytes() == content
 
 
 def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     path = tmp_path / "mine.onnx"
-    train_tracker(path, [toy_scenes(3)], start="universal", n_steps=1, **OWN)
+    train(path, toy_scenes(3), start="universal")
     shipped = network_of_tracker("universal").state_dict()
     found = network_of_tracker(path).state_dict()
     for name, values in shipped.items():
@@ -57,21 +61,21 @@ def test_the_name_of_what_is_no_tracker_is_refused(tmp_path):
 
 def test_one_scene_leaves_none_to_calibrate_on(tmp_path):
     with refusal("one is to calibrate on, must .* at least 2, got 1"):
-        train_tracker(tmp_path / "mine.onnx", [toy_scenes(1)], n_steps=1, **OWN)
+        train(tmp_path / "mine.onnx", toy_scenes(1))
 
 
 def test_range_bins_are_those_in_the_scenes_notes_and_all_the_same(tmp_path):
     scenes = toy_scenes(3)
     for scene in scenes:
         scene.notes["bin_size_s"] = 3e-10
-    card = train_tracker(tmp_path / "mine.onnx", [scenes], n_steps=1, **OWN | {"bin_s": None})
+    card = train(tmp_path / "mine.onnx", scenes, bin_s=None)
     assert card["bin_s"] == 3e-10
     with refusal("expected range bins of 2e-10 s, .* found 3e-10 s"):
-        train_tracker(tmp_path / "other.onnx", [scenes], n_steps=1, **OWN)
+        train(tmp_path / "other.onnx", scenes)
 
 
 def test_a_gpu_that_is_not_there_is_refused_before_anything_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr("torch.cuda.is_available", lambda: False)
     with refusal("^device cuda: expected a GPU"):
-        train_tracker(tmp_path / "mine.onnx", [toy_scenes(3)], n_steps=1, device="cuda", **OWN)
+        train(tmp_path / "mine.onnx", toy_scenes(3), device="cuda")
     assert not list(tmp_path.iterdir())

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.testing import assert_array_equal
 from refusals import refusal
 
-from evaluation.lib.patch_network import fit_network
 from evaluation.lib.two_sample import PATCH, accuracy, decisions, two_sample_table
 from snowsim.echogram import Scene, to_uint8
 from snowsim.seeding import random_stream
@@ -73,11 +72,3 @@ def test_scenes_smaller_than_a_patch_are_refused(rng):
     message = "expected scenes of 82 x 64 pixels or more, the smallest has 80 x 64"
     with refusal(message):
         two_sample_table({"observed": scenes, "phy": low}, n_splits=2, n_steps=1, stream=None)
-
-
-def test_a_network_is_a_function_of_its_seed(rng):
-    patches = rng.integers(0, 256, (70, 64, 64)).astype(np.uint8)
-    truth = np.arange(70) % 3 == 0
-    first = fit_network(patches, truth, n_steps=3, rng=np.random.default_rng(1))
-    again = fit_network(patches, truth, n_steps=3, rng=np.random.default_rng(1))
-    assert_array_equal(first(patches), again(patches))

@@ -20,27 +20,20 @@ def layered(thickness_bins=40.0, n_layers=30):
     return Echoes(bins[:, None] * ones, 2 * ones, variance, variance / 10, kind, 1e-3, 16.0)
 
 
-def test_crusts_lie_between_layers_and_leave_these_as_they_are(rng):
-    echoes = layered()
-    found = with_crusts(echoes, Clutter(crusts_per_slab=2.0, crust_db=-10.0), rng=rng)
-    added = found.bins.shape[0] - echoes.bins.shape[0]
-    # Poisson, of 29 slabs: four standard deviations.
-    assert abs(added - 58) < 4 * np.sqrt(58)
+def test_crusts_lie_between_layers_in_the_number_and_power_that_are_asked_for(rng):
+    echoes = layered(n_layers=60)
+    found = with_crusts(echoes, Clutter(crusts_per_slab=4.0, crust_db=-10.0), rng=rng)
     assert (np.diff(found.bins, axis=0) > 0).all()
     for name in ("bins", "power", "variance_bins2", "decay_rate"):
         at_layers = found.kind == Kind.LAYER
         expected = getattr(echoes, name)[echoes.kind == Kind.LAYER]
         assert_array_equal(getattr(found, name)[at_layers], expected)
-    # A crust has the waveform of the layer below it.
     crusts = np.flatnonzero(found.kind == Kind.BACKGROUND)[1:]
+    # Poisson, of 59 slabs: four standard deviations.
+    assert abs(crusts.size - 236) < 4 * np.sqrt(236)
+    # A crust has the waveform of the layer below it.
     below = [np.flatnonzero(found.kind[crust:] == Kind.LAYER)[0] + crust for crust in crusts]
     assert_array_equal(found.decay_rate[crusts], found.decay_rate[below])
-
-
-def test_crusts_have_the_power_that_is_asked_for(rng):
-    echoes = layered(n_layers=60)
-    found = with_crusts(echoes, Clutter(crusts_per_slab=4.0, crust_db=-10.0), rng=rng)
-    crusts = np.flatnonzero(found.kind == Kind.BACKGROUND)[1:]
     relative_db = 10 * np.log10(found.power[crusts] / 2)
     # 236 crusts that differ by 5 dB: the standard error is 0.33 dB, allow four.
     assert_allclose(relative_db.mean(), -10, atol=1.3)

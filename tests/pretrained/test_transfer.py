@@ -63,6 +63,12 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert_allclose(scale_of(farther, reference), (1, 1))
 
 
+def picked(logits, coefficients):
+    """Picks of maps of logits with the confidence of some coefficients."""
+    tracker = Calibrated(None, SURE, coefficients)
+    return [followed(each, tracker, each.shape) for each in logits]
+
+
 def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
     scenes = toy_scenes(6)
     # Every third scene is picked five bins too low, at three quarters of the height.
@@ -70,12 +76,7 @@ def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
     for number, scene in enumerate(scenes):
         wrong = number % 3 == 0
         logits.append(logits_at(scene, 5.0 * wrong) * (0.75 if wrong else 1))
-    found = fit_confidence(logits, scenes, SURE)
-    tracker = Calibrated(None, SURE, found)
-    picks = [
-        followed(each, tracker, scene.image.shape)
-        for each, scene in zip(logits, scenes, strict=True)
-    ]
+    picks = picked(logits, fit_confidence(logits, scenes, SURE))
     sure = np.concatenate([each.sure[np.isfinite(each.bins)] for each in picks])
     # A logistic fit with an offset says, in the mean, what it was fitted to.
     assert_allclose(sure.mean(), 2 / 3, atol=0.1)
@@ -95,8 +96,7 @@ def test_of_thresholds_with_good_picks_that_one_is_taken_with_fewest_false_piece
     assert (better["f"] < curve["f"].max() - F_KNOWN_TO).all()
     # The table says what scores of picks say.
     by_threshold = curve.set_index("threshold")["f"]
-    tracker = Calibrated(None, SURE, fit_confidence(logits, scenes, SURE))
-    picks = [followed(each, tracker, each.shape) for each in logits]
+    picks = picked(logits, fit_confidence(logits, scenes, SURE))
     assert_allclose(by_threshold[SURE.threshold], pick_scores(picks, scenes)["f"], rtol=1e-12)
     # Above the threshold at which nothing is picked any more, there is nothing to fit.
     faint = pick_curve([np.minimum(each, -1.0) for each in logits], scenes, SURE)
@@ -107,14 +107,8 @@ def test_pieces_of_little_confidence_are_left_out():
     scenes = toy_scenes(6)
     # Beside the layers stand ridges a quarter as high, ten bins lower.
     logits = [np.maximum(logits_at(each), logits_at(each, 10.0) / 4) for each in scenes]
-    found = fit_confidence(logits, scenes, SURE)
-    of_all, of_likely = (
-        pick_scores(
-            [followed(each, Calibrated(None, SURE, coefficients), each.shape) for each in logits],
-            scenes,
-        )
-        for coefficients in ((10.0, 0.0, 0.0), found)
-    )
+    of_all = pick_scores(picked(logits, (10.0, 0.0, 0.0)), scenes)
+    of_likely = pick_scores(picked(logits, fit_confidence(logits, scenes, SURE)), scenes)
     assert of_all["false_share"] > 0.5
     assert of_likely["false_share"] < 0.1
     assert of_likely["missed_share"] < 0.1

@@ -130,19 +130,6 @@ def test_first_weights_follow_the_law_of_pytorch_s():
             assert_allclose(ours.detach().abs().max(), theirs.detach().abs().max(), rtol=20 / n)
 
 
-def test_only_copies_let_a_scene_without_layers_pass():
-    scenes = [
-        replace(scene, layer_bins=np.full_like(scene.layer_bins, np.nan)) for scene in toy_scenes(2)
-    ]
-    _, losses = next(
-        train_steps(Training(published_settings(10, width=2), seed=1), TrainingSet(scenes, seed=1))
-    )
-    assert set(losses.values()) == {0}
-    small = Training(Settings(width=2, n_steps=10), seed=1)
-    with refusal("annotated pixel, .* 0 annotated pixels"):
-        next(train_steps(small, TrainingSet(scenes, seed=1)))
-
-
 def test_the_paper_s_configuration_is_the_published_recipe():
     n_gradients = {}
     config = yaml.safe_load((CONFIG / "config.yaml").read_text())
