@@ -58,13 +58,6 @@ def test_a_summary_survives_the_disk(flight, tmp_path):
         statistics.merge([back.assign_attrs(content="none")])
 
 
-def test_layers_of_another_time_are_refused(flight):
-    (echogram, layers), *others = flight
-    later = layers.assign_coords(slow_time=layers["slow_time"] + np.timedelta64(1, "h"))
-    with refusal("slow_time is not that of the echogram: range line"):
-        statistics.fit([(echogram, later), *others])
-
-
 def test_range_lines_of_zeros_are_missing_lines(flight):
     (echogram, layers), *others = flight
     lost = (np.arange(256) >= 40) & (np.arange(256) < 60)
@@ -136,6 +129,9 @@ def test_what_cannot_be_fitted_is_refused(planted, flight):
     echogram, layers = flight[0]
     with refusal("air 30 range bins above the surface must .* at least 1"):
         statistics.fit([(echogram.isel(twtt=slice(30, None)), layers)])
+    later = layers.assign_coords(slow_time=layers["slow_time"] + np.timedelta64(1, "h"))
+    with refusal("slow_time is not that of the echogram: range line"):
+        statistics.fit([(echogram, later)])
     with refusal("frames of a flight must .* at least 1, got 0"):
         statistics.fit([])
     with refusal("surface picked in 1 frames must .* of at least 5, got 0"):
