@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.ndimage import gaussian_filter1d
 
 from snowsim.statistics import fit, merge, summarise
+from snowsim.statistics.radiometry import common_and_own_spread
 from snowsim.statistics.speckle import FADING_LAGS, fading
 
 N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
@@ -102,6 +103,12 @@ def test_planted_gain_comes_back(rng):
     gain_db = 10 / np.log(10) * np.sqrt(np.nanmean(summary["gain_variance"]))
     # Half of the samples are beyond the median, those beyond 6 deviations hardly any.
     assert_allclose(gain_db, 0.5, rtol=0.1)
+
+
+def test_layers_that_share_nothing_have_no_common_spread(rng):
+    common, own = common_and_own_spread(3 * rng.standard_normal((4000, 5)))
+    assert common < 0.5
+    assert_allclose(own, 3, rtol=0.02)  # 20,000 values: 0.5 %
 
 
 def test_what_a_short_flight_cannot_tell_does_not_vary_and_is_named(planted):
