@@ -44,11 +44,9 @@ def test_picks_that_cannot_be_matched_are_refused(picks, message):
         match_picks(picks, [[5.0, 5.0]])
 
 
-def pooled(picks, layer_bins):
-    """Errors of the picks of one scene."""
-    return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[
-        0
-    ]
+def pooled(*rows):
+    """Errors of tables of scenes."""
+    return pool_picks(pd.concat(rows).assign(all=1), ["all"], bin_size_m=0.03).iloc[0]
 
 
 def test_missed_and_false_layers_are_counted(layer_bins):
@@ -57,7 +55,7 @@ def test_missed_and_false_layers_are_counted(layer_bins):
     picks[6, :61] = np.nan
     picks[7, :60] = np.nan
     rows = layer_rows(picks, layer_bins)
-    scores = pooled(picks, layer_bins)
+    scores = pooled(rows)
     assert scores["n_layers"] == 8
     assert scores["n_missed_layers"] == 2  # the absent one and the one with 59 of 120 range lines
     assert scores["n_false_layers"] == 1
@@ -73,10 +71,10 @@ def test_scenes_pool_by_pixel_and_not_by_scene():
     truth = np.array([[50.0], [80.0]]) * np.ones(100)
     short = truth.copy()
     short[:, 10:] = np.nan
-    rows = pd.concat([layer_rows(truth + 1, truth), layer_rows(short + 2, short)]).assign(set="a")
-    both = pool_picks(rows, ["set"], bin_size_m=0.03).iloc[0]
-    assert_allclose(both["mean_absolute_error_bins"], (200 * 1 + 20 * 2) / 220)
-    assert_allclose(both["bias_m"], (200 * 1 + 20 * 2) / 220 * 0.03)
+    both = pooled(layer_rows(truth + 1, truth), layer_rows(short + 2, short))
+    mean_bins = (200 * 1 + 20 * 2) / 220
+    assert_allclose(both["mean_absolute_error_bins"], mean_bins)
+    assert_allclose(both["bias_m"], mean_bins * 0.03)
     assert both["thickness_mean_absolute_error_bins"] == 0
 
 
@@ -92,7 +90,7 @@ def test_errors_stay_with_the_depth_they_were_planted_at():
 
 
 def test_groups_without_picks_are_nan_and_miss_their_layers():
-    scores = pooled(np.empty((0, 40)), np.array([[50.0], [80.0]]) * np.ones(40))
+    scores = pooled(layer_rows(np.empty((0, 40)), np.array([[50.0], [80.0]]) * np.ones(40)))
     assert np.isnan(scores["mean_absolute_error_bins"])
     assert (scores["share_found"], scores["n_found"], scores["n_missed_layers"]) == (0, 0, 2)
 

@@ -13,19 +13,15 @@ def suppress_slowly(prediction):
     smoothed = triangle_filter(prediction, 1)
     angle = np.arctan(tangent_across(smoothed))
     rows, lines = np.indices(prediction.shape)
+    last_row, last_line = np.array(prediction.shape) - 1
     keep = np.ones(prediction.shape, dtype=bool)
     for side in (-1, 1):
-        at = [
-            np.clip(axis + side * step, 0, length - 1.001)
-            for axis, step, length in zip(
-                (rows, lines), (np.sin(angle), np.cos(angle)), prediction.shape, strict=True
-            )
-        ]
-        keep &= smoothed * 1.01 >= map_coordinates(smoothed, at, order=1)
-    ramp = [
-        np.minimum(np.minimum(np.arange(n), np.arange(n)[::-1]), 5) / 5 for n in prediction.shape
-    ]
-    return np.where(keep, smoothed, 0) * ramp[0][:, None] * ramp[1]
+        row = np.clip(rows + side * np.sin(angle), 0, last_row - 1e-3)
+        line = np.clip(lines + side * np.cos(angle), 0, last_line - 1e-3)
+        keep &= smoothed * 1.01 >= map_coordinates(smoothed, [row, line], order=1)
+    ramp = np.clip(np.minimum(rows, last_row - rows) / 5, 0, 1)
+    ramp *= np.clip(np.minimum(lines, last_line - lines) / 5, 0, 1)
+    return np.where(keep, smoothed, 0) * ramp
 
 
 def test_suppression_equals_an_independent_slow_one(rng):
