@@ -72,14 +72,6 @@ def test_scenes_differ_in_how_deep_layers_are_seen(climate, scenes):
     assert max(n_layers) > 15
 
 
-def test_scene_does_not_depend_on_what_was_drawn_before(climate, scenes):
-    again = scene(climate, 3, "train")
-    one = scenes["train"][3]
-    assert_array_equal(again.image, one.image)
-    assert_array_equal(again.layer_bins, one.layer_bins)
-    assert again.notes == one.notes
-
-
 def test_a_scene_too_long_for_its_place_is_refused(climate):
     with refusal("kilometres of 2000 range lines must"):
         scene(climate, 0, "test", n_range_lines=2000)

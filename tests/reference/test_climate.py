@@ -55,10 +55,8 @@ def test_every_frame_has_the_same_years_and_undulations_stay_in_place_on_a_track
 
 
 def test_relief_does_not_add_up_with_depth(rng):
-    drift_free = {
-        "climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.05}
-    }
-    climate = climate_of(drift_free)
+    still = dict.fromkeys(("anomaly_sd", "undulation_sd", "drift_sd"), 0.0)
+    climate = climate_of({"climate": still | {"relief_sd": 0.05}})
     # About the least of the profile along the line: no trend of the mean.
     position_km = 0.7 * line_length_km() + np.arange(-1000, 1000) * 5.47e-3
     water_m = climate.draw_accumulation("flight", position_km, 80, rng=rng)
@@ -69,9 +67,7 @@ def test_relief_does_not_add_up_with_depth(rng):
 
 
 def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation_asked_for(rng):
-    values = [
-        draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)
-    ]
+    values = [draw_waves(1, 20, rng=rng)(np.array([0.0, 33.0])) for _ in range(4000)]
     assert_allclose(np.std(values), 1, rtol=4 / np.sqrt(2 * 8000))
     series = draw_along_track(4000, 40, 8.0, rng=rng)
     assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))

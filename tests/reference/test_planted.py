@@ -1,12 +1,10 @@
 import numpy as np
 import pytest
 from flights import BARE_FIRN, BARE_RADAR, climate_of, peak_rows
-from numpy.testing import assert_allclose
 
 from reference import draw_frame, draw_scene
 from reference import echo as echo_module
 from snowsim.echogram import SURFACE_ROW, layer_bins_of
-from snowsim.io import SceneSet, read_dataset, write_dataset, write_scenes
 from snowsim.seeding import random_stream
 
 SHORT_TAILS = {"surface_slope": 0.005, "horizon_slope": 0.005, "diffuse_share": 0.0}
@@ -16,25 +14,6 @@ N_LAYERS = 6  # surface and the youngest
 @pytest.fixture(scope="module")
 def climate():
     return climate_of({"firn": BARE_FIRN, "radar": BARE_RADAR | SHORT_TAILS})
-
-
-@pytest.fixture
-def frame(climate):
-    """Draw a frame of so many range lines: echogram and layers."""
-    rng = random_stream(1, "frame")
-    return lambda n: draw_frame(1, 20, n, climate=climate, settings=climate.settings, rng=rng)
-
-
-@pytest.fixture
-def scene(climate, echoes):
-    return draw_scene(
-        1,
-        "test",
-        climate=climate,
-        settings=climate.settings,
-        n_looks=1,
-        rng=random_stream(1, "scene"),
-    )
 
 
 @pytest.fixture
@@ -51,13 +30,10 @@ def echoes(monkeypatch):
     return kept
 
 
-def test_picks_in_a_frame_s_file_lie_about_the_peaks_of_its_mean_echo(frame, echoes, tmp_path):
-    echogram, layers = frame(64)
-    write_dataset(tmp_path / "frame.nc", echogram)
-    write_dataset(tmp_path / "layers.nc", layers)
-    bins = layer_bins_of(read_dataset(tmp_path / "layers.nc"), read_dataset(tmp_path / "frame.nc"))[
-        :N_LAYERS
-    ]
+def test_picks_of_a_frame_lie_about_the_peaks_of_its_mean_echo(climate, echoes):
+    how = {"climate": climate, "settings": climate.settings}
+    echogram, layers = draw_frame(1, 20, 64, **how, rng=random_stream(1, "frame"))
+    bins = layer_bins_of(layers, echogram)[:N_LAYERS]
     assert len(bins) == N_LAYERS
     [echo] = echoes
     lines = range(0, 64, 3)
@@ -70,11 +46,10 @@ def test_picks_in_a_frame_s_file_lie_about_the_peaks_of_its_mean_echo(frame, ech
     assert np.isfinite(error).mean() > 0.9
 
 
-def test_layers_in_a_scene_s_file_lie_where_its_mean_echo_peaks(scene, echoes, tmp_path):
-    write_scenes(tmp_path / "scenes.nc", [scene])
-    with SceneSet(tmp_path / "scenes.nc") as scenes:
-        bins = scenes[0].layer_bins[:N_LAYERS].astype(float)
-    assert_allclose(bins, scene.layer_bins[:N_LAYERS], atol=1e-4)  # float32 at row 500
+def test_layers_of_a_scene_lie_where_its_mean_echo_peaks(climate, echoes):
+    how = {"climate": climate, "settings": climate.settings, "n_looks": 1}
+    scene = draw_scene(1, "test", **how, rng=random_stream(1, "scene"))
+    bins = scene.layer_bins[:N_LAYERS]
     assert abs(bins[0].mean() - SURFACE_ROW) < 3
     for line in range(0, 256, 9):
         # The benchmark's echo is cropped for its looks; the record it was drawn from is kept whole.
