@@ -40,14 +40,12 @@ def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_v
     assert_array_equal(echoes.kind, [Kind.LAYER] * 5)
     assert echoes.noise_power == 1e-3
     assert echoes.n_looks == 100
-    # A shallow scene takes the uppermost layers.
-    assert_array_equal(dress(flat(2), statistics).power[:, 0], [1, 0.3])
-
-
-def test_speckle_is_correlated_as_measured_where_that_is_known(statistics):
-    assert dress(flat(2), statistics).speckle_correlation is None
+    assert echoes.speckle_correlation is None
+    # A shallow scene takes the uppermost layers. Speckle is correlated as measured, where it was.
     statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
-    assert_array_equal(dress(flat(2), statistics).speckle_correlation, [1, 0.1])
+    shallow = dress(flat(2), statistics)
+    assert_array_equal(shallow.power[:, 0], [1, 0.3])
+    assert_array_equal(shallow.speckle_correlation, [1, 0.1])
 
 
 def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics):
@@ -60,17 +58,15 @@ def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics
     assert (np.diff(echoes.bins[:4, :4], axis=0) > 0).all()
     assert_array_equal(np.flatnonzero(echoes.kind == Kind.BACKGROUND), [1, 2])
     assert_array_equal(echoes.bins[echoes.kind == Kind.LAYER], layer_bins)
-    added = power_of(echoes) - power_of(without)
+    whole, layers = (
+        mean_power(each.bins, each.power, each.variance_bins2, each.decay_rate, 300)
+        for each in (echoes, without)
+    )
     # From 90 bins below the surface on the exponentials alone. Each has its power at its peak, up
     # to 5 bins below the row's Gaussian of 11 bins^2: up to exp(5 / 30) more than the law.
     depth = np.arange(140, 300) - 50.0
     law = 0.01 * np.exp(-depth / 30) + 0.002 * np.exp(-depth / 1000)
-    assert_allclose(added[140:], np.tile(law[:, None], 8), rtol=0.25)
-
-
-def power_of(echoes):
-    shape = echoes.variance_bins2, echoes.decay_rate
-    return mean_power(echoes.bins, echoes.power, *shape, 300)
+    assert_allclose((whole - layers)[140:], np.tile(law[:, None], 8), rtol=0.25)
 
 
 @pytest.mark.parametrize(

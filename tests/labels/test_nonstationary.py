@@ -5,23 +5,20 @@ from refusals import refusal
 
 from snowsim.labels import Nonstationary, draw_scene, prepare
 
-SMOOTH = PLAIN_RELIEF | {
-    "relative_thickness_variance": np.zeros((4, 20)),
-    "surface_movement_bins": 0.0,
-    "surface_movement_length_m": 0.0,
-    "surface_error_bins": 0.0,
-}
+# Without undulations and spread of means: trend and fold alone bend layers.
+SMOOTH = planted(
+    n_layers=(5, 12),
+    relative_thickness_variance=np.zeros((4, 20)),
+    surface_movement_bins=0.0,
+    surface_error_bins=0.0,
+    **PLAIN_RELIEF,
+)
 
 
 def scenes(statistics, nonstationary, n=200, seed=7):
     model = prepare(statistics, N_LINES, nonstationary=nonstationary)
     rng = np.random.default_rng(seed)
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
-
-
-def smooth():
-    """Statistics without undulations and spread of means: trend and fold alone bend layers."""
-    return planted(n_layers=(5, 12), **SMOOTH)
 
 
 def test_off_draws_the_same_bytes():
@@ -32,7 +29,7 @@ def test_off_draws_the_same_bytes():
 
 def test_a_trend_is_found_again_and_leaves_the_mean():
     line = np.arange(N_LINES) / (N_LINES - 1) - 0.5
-    with_trend = scenes(smooth(), Nonstationary(trend_sd=0.2))
+    with_trend = scenes(SMOOTH, Nonstationary(trend_sd=0.2))
     for scene in with_trend:
         thickness = np.diff(scene.layer_bins, axis=0)
         slope = thickness @ line / (line @ line) / thickness.mean(axis=1)
@@ -46,11 +43,10 @@ def test_a_trend_is_found_again_and_leaves_the_mean():
 
 
 def test_a_fold_bends_layers_in_proportion_to_their_depth():
-    length = 48.0
-    for scene in scenes(smooth(), Nonstationary(fold_sd_bins=6.0, fold_length_lines=length), n=40):
+    phase = 2 * np.pi * np.arange(N_LINES) / 48
+    wave = np.column_stack([np.sin(phase), np.cos(phase), np.ones(N_LINES)])
+    for scene in scenes(SMOOTH, Nonstationary(fold_sd_bins=6.0, fold_length_lines=48.0), n=40):
         bend = scene.layer_bins - scene.layer_bins.mean(axis=1, keepdims=True)
-        phase = 2 * np.pi * np.arange(N_LINES) / length
-        wave = np.column_stack([np.sin(phase), np.cos(phase), np.ones(N_LINES)])
         amplitude = np.hypot(*np.linalg.lstsq(wave, bend.T, rcond=None)[0][:2])
         expected = abs(scene.notes["fold_bins"])
         assert_allclose(amplitude[-1], expected, atol=len(amplitude) * 2**-12)
@@ -59,12 +55,6 @@ def test_a_fold_bends_layers_in_proportion_to_their_depth():
         # The thickness of a slab holds a little of the fold in its mean, 48 lines do not divide
         # 256: to 10 %.
         assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=2**-9)
-        curvature = np.abs(np.diff(scene.layer_bins[-1], 2)).max()
-        # Second differences of a sine: (2 pi / L)^2 to (2 pi / L)^2 / 12 of itself; the peak lies
-        # between two lines.
-        # Of each of three rows, layers sum up to 12 slabs drawn to 2^-12 bins.
-        grid = 4 * 12 * 2**-13
-        assert_allclose(curvature, expected * (2 * np.pi / length) ** 2, rtol=0.01, atol=grid)
 
 
 def test_only_the_zones_asked_for_are_bent():
@@ -73,7 +63,7 @@ def test_only_the_zones_asked_for_are_bent():
 
 
 def test_trends_and_folds_keep_layers_apart_and_are_counted():
-    bent = scenes(smooth(), Nonstationary(trend_sd=1.0, fold_sd_bins=80.0), n=60)
+    bent = scenes(SMOOTH, Nonstationary(trend_sd=1.0, fold_sd_bins=80.0), n=60)
     assert all(np.diff(scene.layer_bins, axis=0).min() >= 1 - 1e-9 for scene in bent)
     assert sum(scene.notes["n_touched"] for scene in bent) > 0
 

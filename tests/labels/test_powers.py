@@ -31,11 +31,6 @@ def test_every_echo_has_power_and_the_background_starts_at_the_surface(drawn):
         assert (background < scene.layer_bins[0] + 1).all()
 
 
-def test_no_physics_is_in_notes(drawn):
-    counts = {"n_layers", "n_samples", "n_touched", "n_means_touched", "first_thickness_bins"}
-    assert set(drawn[0].notes) == counts
-
-
 def test_further_echoes_lie_below_the_last_layer_and_are_no_layers(drawn):
     for scene in drawn:
         echoes = scene.echoes
@@ -64,10 +59,8 @@ def test_files_keep_the_echoes_and_renders_follow_them(drawn, tmp_path):
         assert_array_equal(getattr(scene.echoes, field.name), before, err_msg=field.name)
     assert_array_equal(scene.mask(), drawn[1].mask())
     echoes = scene.echoes
-    given = (echoes.bins, echoes.parameters(), scene.n_range_bins)
-    power = render(*given, rng=1)
-    surface_row = np.rint(echoes.bins[0]).astype(int)
-    surface = power[surface_row, np.arange(N_LINES)]
+    power = render(echoes.bins, echoes.parameters(), scene.n_range_bins, rng=1)
+    surface = power[np.rint(echoes.bins[0]).astype(int), np.arange(N_LINES)]
     # On the pick lie the surface and the background just below it, that has risen at most whole:
     # 6e-3 of 1.
     assert_allclose(surface.mean(), echoes.power[0].mean(), rtol=0.03)
