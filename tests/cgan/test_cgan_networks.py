@@ -11,16 +11,10 @@ from snowsim.cgan.networks import PatchDiscriminator, ResizeConvolution, initial
 def test_doubling_within_a_convolution_is_doubling_before_it(shape):
     torch.manual_seed(1)
     network = ResizeConvolution(6, 4).double()
-    x = torch.randn(2, 6, *shape, dtype=torch.float64, requires_grad=True)
+    x = torch.randn(2, 6, *shape, dtype=torch.float64)
     doubled = x.repeat_interleave(2, 2).repeat_interleave(2, 3)
     expected = nn.functional.conv2d(doubled, network.weight, network.bias, padding=1)
     torch.testing.assert_close(network(x), expected, rtol=1e-12, atol=1e-12)
-    weight = torch.randn_like(expected)
-    of = [x, network.weight, network.bias]
-    gradients = torch.autograd.grad((network(x) * weight).sum(), of)
-    of_expected = torch.autograd.grad((expected * weight).sum(), of)
-    for got, wanted in zip(gradients, of_expected, strict=True):
-        torch.testing.assert_close(got, wanted, rtol=1e-10, atol=1e-10)
 
 
 def test_logits_are_as_many_as_pix2pix_has_of_patches_of_70_pixels():
@@ -28,15 +22,9 @@ def test_logits_are_as_many_as_pix2pix_has_of_patches_of_70_pixels():
     assert PatchDiscriminator(2)(image, image).shape == (1, 1, 30, 30)
 
 
-@pytest.fixture
-def generator(rng):
-    """Small generator with random weights."""
-    network = Generator(4, depth=4, n_inputs=1)
-    initialise(network, rng=rng)
-    return network.eval()
-
-
-def test_noise_has_one_level_for_each_slab_and_changes_the_image(generator, rng):
+def test_noise_has_one_level_for_each_slab_and_changes_the_image(rng):
+    generator = Generator(4, depth=4, n_inputs=1)
+    initialise(generator, rng=rng)
     slabs = np.repeat(np.arange(4), 16)[None, :, None] * np.ones((2, 1, 64), int)
     noise, other = (generator.draw_noise(slabs, rng=rng) for _ in range(2))
     levels = noise["slab"].numpy().reshape(2, 4, -1)

@@ -26,11 +26,8 @@ PIX2PIX = Settings(**SIZE, method="pix2pix")
 
 
 def untrained(settings):
-    weights = {
-        name: value.numpy()
-        for name, value in Training(settings, seed=1).state()["generator"].items()
-    }
-    return trained_generator(weights, settings)
+    weights = Training(settings, seed=1).generator.state_dict()
+    return trained_generator({name: weights[name].numpy() for name in weights}, settings)
 
 
 @pytest.fixture(scope="module")

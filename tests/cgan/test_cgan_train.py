@@ -1,10 +1,10 @@
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from refusals import refusal
+from scipy.ndimage import uniform_filter
 from toy_scenes import toy_scene, with_echoes
 from trainings import trained
 
@@ -22,12 +22,6 @@ def learnt():
 def test_the_error_falls_and_layers_of_an_unseen_mask_come_out_brighter_than_the_ground(
     learnt, rng
 ):
-    assert set(learnt[1][0]) == {
-        "discriminator_real",
-        "discriminator_fake",
-        "generator_adversarial",
-        "l1",
-    }
     l1 = [losses["l1"] for losses in learnt[1]]
     # Untrained, the output is near mid-grey; the mean ground level would leave about 0.3.
     assert np.mean(l1[-20:]) < 0.5 * np.mean(l1[:5])
@@ -51,11 +45,7 @@ def test_the_rate_is_constant_for_half_the_steps_then_falls_linearly_to_zero():
 
 
 def test_scenes_of_mixed_sizes_train_whole():
-    scenes = [
-        toy_scene(1, n_range_bins=96),
-        toy_scene(2, n_range_bins=130),
-        toy_scene(3, n_range_lines=48),
-    ]
+    scenes = [toy_scene(1), toy_scene(2, 130), toy_scene(3, n_range_lines=48)]
     settings = replace(TINY, n_range_bins=None, n_range_lines=None, n_steps=3)
     for _, losses in train_steps(Training(settings, seed=1), scenes):
         assert np.isfinite(list(losses.values())).all()
@@ -70,11 +60,7 @@ def test_without_layers_a_trained_image_repeats_no_pattern_of_its_stages(learnt)
     ground = image[-256:].astype(float)
     level = ground.mean(axis=1, keepdims=True)
     power = np.abs(np.fft.fft2(ground - level)) ** 2
-    ratios = []
-    for row, column in product(range(0, 256, 32), range(24, 97, 24)):
-        about = np.roll(power, (3 - row, 3 - column), axis=(0, 1))[:7, :7]
-        others = np.delete(about.ravel(), 24)
-        ratios.append(about[3, 3] / others.mean())
+    others = (49 * uniform_filter(power, 7, mode="wrap") - power) / 48
     # One of white noise is exponential about 1: the mean of 32 scatters by 0.18; transposed
     # convolutions had 296.
-    assert np.mean(ratios) < 2
+    assert (power / others)[::32, 24:97:24].mean() < 2

@@ -23,9 +23,8 @@ def held(n_air=0):
 def grain(rng):
     made = Grain()
     initialise(made, rng=rng)
-    with torch.no_grad():
-        made.gain.fill_(0.02)
-        made.skew.fill_(-0.3)
+    made.gain.data.fill_(0.02)
+    made.skew.data.fill_(-0.3)
     return made
 
 
@@ -51,11 +50,9 @@ def test_covariance_and_third_moment_are_what_the_weights_say(grain, rng):
 
 def test_air_has_no_texture_of_snow(grain, rng):
     air = held(n_air=SIZE[0])
-    with torch.no_grad():
-        grain.gain.zero_()
+    grain.gain.data.zero_()
     images = torch.cat([drawn(grain, air, rng=rng) for _ in range(20)])
-    with torch.no_grad():
-        grain.size.zero_()
+    grain.size.data.zero_()
     expected = grain.covariance(LAGS[:5], DISTANCES).detach()
     found = change_covariance(images, ~air.expand(images.shape), LAGS[:5], DISTANCES)
     # 800,000 pixels, one in five independent: 0.4 percent; allow four.
@@ -63,7 +60,7 @@ def test_air_has_no_texture_of_snow(grain, rng):
 
 
 def test_covariance_of_changes_does_not_see_level_layers(rng):
-    weights = np.array([0.2, 0.6, 0.3])
+    weights = [0.2, 0.6, 0.3]
     layer = 5 * np.sin(np.arange(SIZE[0]) / 3)[:, None]
     noise = convolve1d(rng.standard_normal(SIZE), weights, axis=0)
     expected = np.correlate(weights, weights, mode="full")[2:]
