@@ -38,6 +38,13 @@ FADING = {
 PLAIN_RELIEF = dict.fromkeys(("relief_variance_bins2", "slab_change_bins2"), np.zeros(4))
 
 
+def law(relief, lag_m):
+    """Mean square change of a layer by itself, and of a slab, by the formulas of the relief."""
+    falls = np.exp(-((lag_m / relief["relief_length_m"]) ** relief["relief_exponent"]))
+    of_slab = relief["slab_change_bins2"] * (lag_m / 1000) ** relief["slab_exponent"]
+    return 2 * relief["relief_variance_bins2"] * (1 - falls), of_slab
+
+
 def planted(n_slabs=20, n_layers=(3, 8), **changes):
     """Statistics of four zones whose slabs thin with depth; variables may be changed."""
     slab = np.arange(n_slabs)

@@ -51,11 +51,8 @@ def test_slabs_have_the_spectrum_of_their_zone_and_undulate_apart(drawn):
     products = []
     for scene in drawn:
         thickness = np.diff(scene.layer_bins, axis=0)
-        n = min(len(thickness), 20)
-        density += [
-            periodogram(thickness[:n])[1].sum(axis=0)[1:],
-            psd[scene.zone, :n].sum(axis=0)[1:],
-        ]
+        _, found = periodogram(thickness[:20])
+        density += [each.sum(axis=0)[1:] for each in (found, psd[scene.zone, : len(found)])]
         about = thickness - thickness.mean(axis=1, keepdims=True)
         products.append((about[1:] * about[:-1]).mean() / (about**2).mean())
     # 800 scenes of a dozen slabs: each wavenumber to 1 %; allow five.

@@ -7,7 +7,16 @@ from functools import cached_property
 
 import numpy as np
 from made_up import made_up_frame
+from scipy.ndimage import gaussian_filter1d
 from scipy.stats import exponnorm
+
+
+def gaussian_series(shape, sd, length_lines, rng):
+    """Gaussian series (..., range_line) of autocorrelation ``exp(-(h / length)^2)``."""
+    margin = 4 * length_lines
+    white = rng.standard_normal((*shape[:-1], shape[-1] + 2 * margin))
+    smooth = gaussian_filter1d(white, length_lines / 2)[..., margin:-margin]
+    return sd * smooth * np.sqrt(length_lines * np.sqrt(np.pi))
 
 
 def waveform(x, variance, decay):
