@@ -10,7 +10,7 @@ from refusals import refusal
 from evaluation.lib.atlas_phy import waveform_by_quadrature
 from evaluation.lib.literal_phy import largest_error_db, summed_power
 from snowsim.echogram import crossing_layers
-from snowsim.phy import mean_power, render
+from snowsim.phy import mean_power
 from snowsim.phy.power import TABLE_RANGE, checked_waveforms
 
 TABLE_LIMIT_DB = 0.05
@@ -40,19 +40,16 @@ def scene_of(seed, n_layers, n_range_bins, layout):
     return layer_bins, parameters
 
 
-SCENES = st.builds(
-    scene_of,
-    st.integers(0, 2**32 - 1),
-    st.integers(0, 8),
-    st.sampled_from([1, 30, 120]),
-    st.sampled_from(["inside", "outside", "touching", "on bins"]),
-)
-
-
 @settings(max_examples=300, deadline=None)
-@given(scene=SCENES, n_range_bins=st.sampled_from([1, 30, 120]), noise=st.floats(-8, -2))
-def test_tables_hold_on_every_pixel(scene, n_range_bins, noise):
-    layer_bins, parameters = scene
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n_layers=st.integers(0, 8),
+    n_range_bins=st.sampled_from([1, 30, 120]),
+    layout=st.sampled_from(["inside", "outside", "touching", "on bins"]),
+    noise=st.floats(-8, -2),
+)
+def test_tables_hold_on_every_pixel(seed, n_layers, n_range_bins, layout, noise):
+    layer_bins, parameters = scene_of(seed, n_layers, n_range_bins, layout)
     exact = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins, exact=True)
     fast = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins)
     # A peak between two bins, or in the Gaussian's flank of a layer beside the window, is what no
@@ -61,14 +58,7 @@ def test_tables_hold_on_every_pixel(scene, n_range_bins, noise):
     assert largest_error_db(fast, exact, noise_power) <= TABLE_LIMIT_DB
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"layer_bins": [[-3.0]]},
-        {"peak_power": [1e-30]},
-    ],
-    ids=lambda change: next(iter(change)),
-)
+@pytest.mark.parametrize("change", [{"layer_bins": [[-3.0]]}, {"peak_power": [1e-30]}])
 def test_scenes_that_tables_are_not_meant_for_are_exact(change):
     scene = {"layer_bins": [[30.2]], "peak_power": [1.0], "variance_bins2": [1.0]}
     scene |= {"decay_rate": [0.1], "n_range_bins": 60}
@@ -124,7 +114,7 @@ AT_THE_LIMITS = {
 
 
 @pytest.mark.parametrize(("change", "noise_power"), AT_THE_LIMITS.values(), ids=AT_THE_LIMITS)
-def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_power, rng):
+def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_power):
     scene = PLAIN | change
     waveforms = checked_waveforms(**scene, as_printed=True)
     expected = summed_power(waveforms, waveform_by_quadrature)
@@ -134,13 +124,6 @@ def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_pow
     fast = mean_power(**scene, as_printed=True)
     largest = expected.max(initial=0)
     assert largest_error_db(fast, expected, max(noise_power, 1e-8 * largest)) <= TABLE_LIMIT_DB
-    layer_bins = scene.pop("layer_bins")
-    n_range_bins = scene.pop("n_range_bins")
-    parameters = scene | {"noise_power": noise_power, "n_looks": 1e6}
-    power = render(layer_bins, parameters, n_range_bins, rng=rng, as_printed=True)
-    # Speckle of 1e6 looks is 4.3e-3 dB: six deviations are allowed to it.
-    error_db = largest_error_db(power, expected + noise_power, 1e-8 * largest)
-    assert error_db <= TABLE_LIMIT_DB + 0.03
 
 
 GOOD = {

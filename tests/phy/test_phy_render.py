@@ -15,16 +15,13 @@ def planted():
     return planted_scene(6, 64, N_RANGE_BINS, n_looks=20)
 
 
-def mean_of(layer_bins, parameters):
-    shapes = [parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate")]
-    return mean_power(layer_bins, *shapes, N_RANGE_BINS, exact=True) + parameters["noise_power"]
-
-
 @pytest.mark.parametrize("exact", [True, False])
 def test_render_draws_what_the_form_as_printed_draws(exact, planted, rng):
     printed = render_as_printed(*planted, N_RANGE_BINS, rng=rng)
     rendered = render(*planted, N_RANGE_BINS, exact=exact, rng=rng)
-    mean = mean_of(*planted)
+    layer_bins, parameters = planted
+    shapes = [parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate")]
+    mean = mean_power(layer_bins, *shapes, N_RANGE_BINS, exact=True) + parameters["noise_power"]
     # 1.95 sqrt(2 / n) = 2.4e-2 once in 1000; the convolution as printed is off by up to 0.08 dB on
     # steep pixels only.
     distance = ks_2samp((printed / mean).ravel(), (rendered / mean).ravel()).statistic

@@ -6,16 +6,10 @@ from scipy.special import gammainc, ndtr
 from scipy.stats import gamma, ks_2samp, kstest
 
 from snowsim.phy import draw_speckle
-from snowsim.phy.speckle import (
-    METHODS,
-    MOST_LAGS,
-    REACH,
-    normal_quantiles,
-)
+from snowsim.phy.speckle import METHODS, MOST_LAGS, REACH, normal_quantiles
 
 N_VALUES = 1_000_000
 ROWS = np.ones((1000, N_VALUES // 1000))
-LOOKS = [1, 5, 16, 100]
 # A Hann window at 0.58 and 0.31 of its resolution, a slow decay, one that turns negative, one lag
 # far off, and one that no process has.
 SHAPES = [
@@ -54,7 +48,7 @@ def test_quantiles_are_as_close_to_gamma_as_stated(n_looks, distance):
     assert_allclose(gammainc(n_looks, n_looks * quantile), ndtr(normal), rtol=0, atol=distance)
 
 
-@pytest.mark.parametrize("n_looks", LOOKS)
+@pytest.mark.parametrize("n_looks", [1, 5, 16, 100])
 def test_law_of_correlated_speckle_is_gamma(n_looks, rng):
     # Of lag 1 alone, so every second bin is independent: beyond 1.95 / sqrt(n) once in 1000.
     drawn = correlated((1000, 1000), n_looks, [1, 0.3], rng)[::2].ravel()
@@ -68,11 +62,9 @@ def autocorrelation(power, n_looks):
     """Of speckle about 1, by lag, and its standard error: range lines are independent."""
     deviation = power - 1
     n_bins, n_lines = power.shape
-    by_line = []
-    for lag in range(MOST_LAGS + 1):
-        product = deviation[: n_bins - lag] * deviation[lag:]
-        by_line.append(n_looks * product.mean(axis=0))
-    return np.mean(by_line, axis=1), np.std(by_line, axis=1) / np.sqrt(n_lines)
+    products = (deviation[: n_bins - lag] * deviation[lag:] for lag in range(MOST_LAGS + 1))
+    by_line = n_looks * np.array([product.mean(axis=0) for product in products])
+    return by_line.mean(axis=1), by_line.std(axis=1) / np.sqrt(n_lines)
 
 
 @pytest.mark.parametrize("n_looks", [1, 16])
@@ -105,21 +97,17 @@ def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_
     method, correlation, rng
 ):
     mean_power = rng.uniform(0.1, 1, (30, 40)).astype(np.float32)
-    options = {"n_looks": 16, "method": method, "correlation": correlation}
-    given = (
-        mean_power,
-        np.asfortranarray(mean_power),
-        4 * mean_power,
-        0 * mean_power,
-        mean_power.astype(float),
-    )
-    rows, columns, four, none, double = (
-        draw_speckle(m, **options, rng=np.random.default_rng(3)) for m in given
-    )
+
+    def speckled(mean_power):
+        options = {"n_looks": 16, "method": method, "correlation": correlation}
+        return draw_speckle(mean_power, **options, rng=np.random.default_rng(3))
+
+    rows = speckled(mean_power)
+    double = speckled(mean_power.astype(float))
     assert (rows.dtype, double.dtype) == (np.float32, np.float64)
-    assert_array_equal(rows, columns)
-    assert_array_equal(four, 4 * rows)
-    assert_array_equal(none, 0)
+    assert_array_equal(speckled(np.asfortranarray(mean_power)), rows)
+    assert_array_equal(speckled(4 * mean_power), 4 * rows)
+    assert_array_equal(speckled(0 * mean_power), 0)
     if method == "quantile":
         assert_allclose(double, rows, rtol=1e-6)
 

@@ -57,13 +57,11 @@ def test_long_chains_of_displaced_pairs_are_resolved():
     assert counts["matched_truth"] == [300]
 
 
-def test_pixels_at_the_tolerance_pair_and_beyond_it_do_not():
-    truth = np.zeros((300, 400))
-    truth[150, 200] = 1
-    for row, line, pairs in [(153, 202, 1), (153, 203, 0)]:  # 0.0075 * 500 = 3.75 px
-        prediction = np.zeros((300, 400))
-        prediction[row, line] = 1
-        assert match_counts(prediction, truth, [0.5])["matched_truth"] == [pairs]
+@pytest.mark.parametrize(("line", "n_pairs"), [(202, 1), (203, 0)])  # 0.0075 * 500 = 3.75 px
+def test_pixels_at_the_tolerance_pair_and_beyond_it_do_not(line, n_pairs):
+    truth, prediction = np.zeros((2, 300, 400))
+    truth[150, 200] = prediction[153, line] = 1
+    assert match_counts(prediction, truth, [0.5])["matched_truth"] == [n_pairs]
 
 
 def test_the_default_lies_within_the_error_of_the_published_code_on_every_map(shared_data):
