@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_array_equal
 from refusals import refusal
@@ -12,9 +13,8 @@ from snowsim.seeding import random_stream
 
 def scene(climate, index, split, **options):
     rng = random_stream(1, "scenes", split, index)
-    return draw_scene(
-        index, split, climate=climate, settings=climate.settings, n_looks=16, rng=rng, **options
-    )
+    how = {"climate": climate, "settings": climate.settings, "n_looks": 16, "rng": rng}
+    return draw_scene(index, split, **how, **options)
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +28,10 @@ def test_scenes_of_all_splits_are_disjoint_and_few_cover_the_line_as_many_do():
     scene_km = 256 * 5.47e-3
     for split in ("train", "validation", "test"):
         places = [scene_position(index, split, line_length_km()) for index in range(SLOTS + 20)]
-        for track in {track for track, _ in places}:
+        for track, starts in pd.DataFrame(places).groupby(0)[1]:
             assert track.startswith(split)
-            starts = np.sort([start for other, start in places if other == track])
-            assert starts[-1] + scene_km < line_length_km()
-            assert np.diff(starts).min() > scene_km
+            assert starts.max() + scene_km < line_length_km()
+            assert starts.sort_values().diff().min() > scene_km
     starts = np.sort([scene_position(index, "test", 1200.0)[1] for index in range(20)])
     assert np.diff(starts, prepend=0, append=1200).max() < 150
 

@@ -9,7 +9,6 @@ from reference.echo import draw_echo, draw_layering
 from reference.line import line_length_km
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
-from snowsim.seeding import random_stream
 from snowsim.snowpack import firn
 
 
@@ -63,34 +62,35 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
 
 
 def test_missing_lines_are_noise_and_positive_saturated_ones_noisy_and_clipped(rng):
-    faults = BARE["radar"] | {"missing_rate": 1.0, "jump_rate": 0.0}
-    _, echo = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)
-    assert echo.without_echo.all()
-    assert_allclose(echo.mean(), echo.noise_power, rtol=1e-5)
-    assert (echo.draw(1, rng=rng) > 0).all()
-    faults = BARE["radar"] | {"saturated_rate": 1.0, "jump_rate": 0.0}
-    mean = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)[1].mean()
+    missing, saturated = (
+        echo_of({"radar": BARE["radar"] | {rate: 1.0}}, np.full(20, 50.0), 250, rng)[1]
+        for rate in ("missing_rate", "saturated_rate")
+    )
+    assert missing.without_echo.all()
+    assert_allclose(missing.mean(), missing.noise_power, rtol=1e-5)
+    assert (missing.draw(1, rng=rng) > 0).all()
+    mean = saturated.mean()
     # The transform rounds to 1e-7 of an echo of 0.01; this noise is 1e-5.
     assert_allclose(mean[:30], mean[0, 0], rtol=5e-4)
     assert mean.max() < 0.32 + mean[0, 0]
 
 
 def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(climate, rng):
-    frame = draw_frame(3, 20, 192, climate=climate, settings=climate.settings, rng=rng)
-    echogram, layers = frame
+    settings = climate.settings
+    echogram, layers = draw_frame(3, 20, 192, climate=climate, settings=settings, rng=rng)
     check_echogram(echogram)
     check_layers(layers)
     assert echogram["Data"].dims == ("twtt", "slow_time")
     assert echogram["Data"].dtype == np.float32
     assert np.isfinite(echogram["Data"]).all()
-    for dataset in frame:
+    for dataset in (echogram, layers):
         assert dataset.attrs["synthetic"] == "synthetic reference flight, not observed data"
         assert dataset.attrs["n_looks"] == 5
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
     assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
     bins = layer_bins_of(layers, echogram)
-    assert np.abs(bins[0] - climate.settings.radar.surface_bin).max() < 5
+    assert np.abs(bins[0] - settings.radar.surface_bin).max() < 5
 
 
 def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
@@ -98,11 +98,9 @@ def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
         draw_frame(0, 900, 1024, climate=climate, settings=climate.settings, rng=rng)
 
 
-def test_segment_is_5_km_of_complex_looks_that_are_independent_and_fifteen_layers(climate):
+def test_segment_is_5_km_of_complex_looks_that_are_independent_and_fifteen_layers(climate, rng):
     settings = climate.settings
-    segment = draw_complex_segment(
-        climate=climate, settings=settings, rng=random_stream(1, "segment")
-    )
+    segment = draw_complex_segment(climate=climate, settings=settings, rng=rng)
     assert segment.attrs["synthetic"].startswith("synthetic")
     assert segment.sizes["slow_time"] == 962 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)

@@ -48,12 +48,11 @@ def test_clear_layers_are_found_to_the_bin_and_a_weak_one_is_lost_and_nothing_in
     power, layer_bins = planted(slope=0.05)
     picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked).mean() > 0.95
-    found = np.isfinite(picked)
-    assert np.abs((picked - layer_bins)[found]).mean() < 1
+    assert np.nanmean(np.abs(picked - layer_bins)) < 1
     power, layer_bins = planted(peaks_db=(30, 20, -10, 20))
-    picked = speckled_picks(power, layer_bins, rng)
-    assert np.isfinite(picked[2]).mean() < 0.2
-    assert np.isfinite(picked[[0, 1, 3]]).mean() > 0.95
+    n_found = np.isfinite(speckled_picks(power, layer_bins, rng)).mean(axis=1)
+    assert n_found[2] < 0.2
+    assert n_found[[0, 1, 3]].mean() > 0.95
 
 
 def test_a_share_of_pieces_behind_a_gap_follows_the_layer_above_or_below(rng):
@@ -62,16 +61,10 @@ def test_a_share_of_pieces_behind_a_gap_follows_the_layer_above_or_below(rng):
     without, _ = planted(n_lines=4000, peaks_db=(30, 20, -20, 20))
     gaps = np.arange(4000) % 100 >= 60
     power[:, gaps] = without[:, gaps]
-    seed = int(rng.integers(2**32))
-    wrong = {}
-    for share in (0.0, 0.25):
+    for share, least, most in ((0.0, 0, 0), (0.25, 0.01, 0.53)):
         settings = PickSettings(picker_db=1.6, wrong_share=share)
-        picked = speckled_picks(power, layer_bins, np.random.default_rng(seed), settings)
+        picked = speckled_picks(power, layer_bins, rng, settings)
         check_layer_bins(picked)
-        with np.errstate(invalid="ignore"):
-            off = np.abs(picked[2] - layer_bins[2]) > 10
-        wrong[share] = off.sum() / np.isfinite(picked[2]).sum()
-    assert wrong[0.0] == 0
-    # Of 39 pieces a quarter: 0.25 +- 0.07, and what was lost to others; four of those.
-    assert 0 < wrong[0.25] < 0.55
-    assert_allclose(wrong[0.25], 0.25, atol=0.28)
+        error = np.abs(picked[2] - layer_bins[2])
+        # Of 39 pieces a quarter: 0.25 +- 0.07, and what was lost to others; four of those.
+        assert least <= (error[np.isfinite(error)] > 10).mean() <= most
