@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
+from snowsim.constants import KILOMETRE
 from snowsim.echogram import along_track_m
 
 PIECE_M = 500.0  # length of a line on a map
-KILOMETRE_M = 1000.0  # length of track over which accumulation is taken as one value
 # Columns of the table for a GIS, after frame, time, position and year.
 COLUMNS = (
     "depth_m",
@@ -57,7 +57,8 @@ def by_year(accumulated):
     given = accumulated["accumulation_m_we"].notnull()
     n_km = np.ones(given.sizes["year"])
     if "Latitude" in accumulated:
-        kilometre = np.floor(along_track_m(accumulated) / KILOMETRE_M)
+        # Over a kilometre of track accumulation is taken as one value.
+        kilometre = np.floor(along_track_m(accumulated) / KILOMETRE)
         n_km = [max(pd.Series(kilometre[lines]).nunique(), 1) for lines in given.values]
     doubt = (1 - accumulated["confidence"]) / accumulated["n_years"]
     columns = {

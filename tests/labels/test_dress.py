@@ -49,7 +49,8 @@ def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_v
 
 
 def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics):
-    layer_bins = np.array([[50.0] * 8, [50.5] * 4 + [np.nan] * 4, [90.0] * 8])
+    layer_bins = np.repeat([[50.0], [50.5], [90.0]], 8, axis=1)
+    layer_bins[1, 4:] = np.nan
     without = dress(layer_bins, statistics)  # statistics of images hold no background
     statistics["background_power"] = ("fall", [0.01, 0.0, 0.002])
     statistics["fall"] = ("fall", [30.0, 100.0, 1000.0])

@@ -22,26 +22,23 @@ def standardised(values):
 
 
 def flight(rng):
-    n_blocks = N_FRAMES * N_LINES // 256
+    n_lines = N_FRAMES * N_LINES
+    n_blocks = n_lines // 256
     common = standardised(rng.standard_normal((n_blocks, 1)))
-    layers = standardised(rng.standard_normal((n_blocks, 6)))
-    noise = standardised(rng.standard_normal((n_blocks, 1)))
-    frames = []
-    for index in range(N_FRAMES):
-        block = index * N_LINES // 256 + np.arange(N_LINES) // 256
-        of_block_db = (COMMON_DB * common + LAYER_DB * layers)[block].T
-        shape = (N_LAYERS, N_LINES)
-        deviation_db = of_block_db + gaussian_series(shape, FADING_DB, FADING_LINES, rng)
-        deviation_db[0] = 0
-        power = POWER[:, None] * 10 ** (deviation_db / 10)
-        row = 60 + SPACING * np.arange(N_LAYERS)
-        layer_bins = row[:, None] + np.zeros(N_LINES)
-        below = np.arange(N_BINS)[:, None] - row
-        echo = np.where(below >= 0, np.exp(-DECAY * below), 0)
-        mean = echo @ power
-        mean += NOISE * 10 ** (NOISE_DB * noise[block, 0] / 10)
-        frames.append(made_up_frame(rng.gamma(5, mean / 5), layer_bins, minute=index))
-    return frames
+    layers = standardised(rng.standard_normal((n_blocks, N_LAYERS)))
+    noise = standardised(rng.standard_normal(n_blocks))
+    of_block_db = np.repeat(COMMON_DB * common + LAYER_DB * layers, 256, axis=0).T
+    fading_db = gaussian_series((N_LAYERS, n_lines), FADING_DB, FADING_LINES, rng)
+    deviation_db = of_block_db + fading_db
+    deviation_db[0] = 0
+    row = 60 + SPACING * np.arange(N_LAYERS)
+    below = np.arange(N_BINS)[:, None] - row
+    echo = np.where(below >= 0, np.exp(-DECAY * below), 0)
+    mean = echo @ (POWER[:, None] * 10 ** (deviation_db / 10))
+    mean += NOISE * 10 ** (NOISE_DB * np.repeat(noise, 256) / 10)
+    layer_bins = row[:, None] + np.zeros(N_LINES)
+    parts = np.split(rng.gamma(5, mean / 5), N_FRAMES, axis=1)
+    return [made_up_frame(part, layer_bins, minute=i) for i, part in enumerate(parts)]
 
 
 @pytest.fixture(scope="module")

@@ -23,15 +23,6 @@ def test_deblended_recovers_what_was_planted(rng, align, n_looks, n_frames):
     assert (fitted["substituted"] == 0).all()
 
 
-def test_layers_that_decay_unlike_each_other_share_a_rate_between_theirs(planted, rng):
-    fitted = statistics.fit(planted.flight(rng))
-    # Planted from .05 to .07. Powers, known to 1 %, take up what the shared rate leaves: 4 % of the
-    # deepest.
-    assert (np.abs(fitted["decay_rate"][1:] - 0.06) < 0.01).all()
-    assert_allclose(fitted["decay_rate"][0], 0.09, rtol=0.05)
-    assert_allclose(fitted["peak_power"], planted.peak_power, rtol=0.06)
-
-
 def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
     fitted = statistics.fit([made_up_frame(*planted.level())], estimator="paper")
     too_high = fitted["peak_power"].values / planted.peak_power - 1
