@@ -2,11 +2,13 @@ import numpy as np
 from flights import BARE, climate_of, column_at
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
+from scipy.ndimage import convolve1d
 
 from reference import draw_complex_segment, draw_frame
 from reference.column import reflectivity, surface_reflectivity
-from reference.echo import draw_echo, draw_layering
+from reference.echo import draw_echo, draw_layering, draw_stretch
 from reference.line import line_length_km
+from reference.radar import range_response
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
 from snowsim.snowpack import firn
@@ -59,6 +61,21 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
     # The transform of the buried echoes, some 0.01 strong, rounds to 1e-7 of them: 1e-9, noise
     # being 1e-6.
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
+
+
+def test_layers_lie_where_the_mean_echo_peaks(rng):
+    short_tails = {"surface_slope": 0.005, "horizon_slope": 0.005, "diffuse_share": 0.0}
+    radar = BARE["radar"] | short_tails | {"n_sub_bins": 16}
+    climate = climate_of(BARE | {"radar": radar})
+    stretch = draw_stretch(climate, climate.settings, "flight", 60, 256, 50, 450, rng=rng)
+    echo = stretch.echo
+    received = convolve1d(echo.sub_bin_power, range_response(echo.radar) ** 2, axis=1)
+    bins = stretch.layer_bins()[:6]  # the surface and the youngest
+    first = echo.margin + np.rint(16 * bins).astype(int) - 16
+    near = received[np.arange(256)[:, None], first[..., None] + np.arange(33)]
+    peak_bins = (first + near.argmax(axis=-1) - echo.margin) / 16
+    # Peaks are known to half a sub-bin, .03 bins; a shift of a fifth of a bin would be seen.
+    assert_allclose(peak_bins, bins, rtol=0, atol=0.1)
 
 
 def test_missing_lines_are_noise_and_positive_saturated_ones_noisy_and_clipped(rng):
