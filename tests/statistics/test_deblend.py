@@ -3,7 +3,7 @@ import pytest
 from flights import frames_of
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
-from planted import waveform
+from planted import Planted
 
 from snowsim.statistics import estimate, fit, summarise
 
@@ -54,16 +54,14 @@ def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
     of_crust = 0.9 * rng.standard_normal(layer.size)
     share = 0.06 * np.exp(of_crust + 0.6 * rng.standard_normal((120, layer.size)))
     fall = np.exp(-0.1 * np.arange(12))
-    peak = np.concatenate([fall + 0 * pick, share * fall[layer]], axis=1)
-    position = np.concatenate([pick, crust], axis=1)
-    lag = np.arange(-300, 400, 0.01)
-    one = waveform(lag, 0.6, 0.1)
-    one /= one.max()
-    rows = np.arange(330)
-    power = np.full((120, 330), 1e-4)
-    for row, height in zip(position.T, peak.T, strict=True):
-        power += height[:, None] * np.interp(rows - row[:, None], lag, one)
-    found = fitted(rng.gamma(5, in_lines(power) / 5), in_lines(pick))
+    crusted = Planted()
+    crusted.peak_power = in_lines(np.concatenate([fall + 0 * pick, share * fall[layer]], axis=1))
+    crusted.decay_rate = np.full(len(crusted.peak_power), 0.1)
+    crusted.variance_bins2 = np.full(len(crusted.peak_power), 0.6)
+    crusted.noise_power = 1e-4
+    position = in_lines(np.concatenate([pick, crust], axis=1))
+    power = crusted.power(position, 330, align="gaussian")
+    found = fitted(rng.gamma(5, power / 5), in_lines(pick))
     # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086
     # and 0.090.
     assert_allclose(found["decay_rate"][-1], 0.1, rtol=0.08)
