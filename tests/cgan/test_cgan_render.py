@@ -1,5 +1,6 @@
 """Rendering depends on the generator, the layers and the scene's random stream, on nothing else."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,16 +14,9 @@ from snowsim.cgan import Settings, Training, render, trained_generator
 from snowsim.echogram import Scene
 from snowsim.seeding import random_stream
 
-SIZE = {
-    "width": 4,
-    "depth": 4,
-    "n_steps": 1,
-    "n_range_bins": 64,
-    "n_range_lines": 64,
-}
-SETTINGS = Settings(**SIZE)
+SETTINGS = Settings(width=4, depth=4, n_steps=1, n_range_bins=64, n_range_lines=64)
 SILENCE = SimpleNamespace(random=np.ones, standard_normal=np.zeros)  # random numbers that are none
-PIX2PIX = Settings(**SIZE, method="pix2pix")
+PIX2PIX = replace(SETTINGS, method="pix2pix")
 
 
 def untrained(settings):

@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.testing import assert_allclose, assert_array_equal
 from planted import gaussian_series
 from planted_labels import N_LINES, SPACING_M, law
@@ -211,9 +212,8 @@ def test_plain_spectra_of_picks_with_gaps_are_those_of_shorter_stretches(rng):
 def surface_rows(n, rng, *, levelled):
     """A slow error of 0.9 bins, and what whole-bin levelling leaves of a movement of 0.3 a line."""
     slow = gaussian_series((n, N_LINES), 0.9, 40, rng)
-    height = np.cumsum(gaussian_series((n, N_LINES), 0.3, 8, rng), axis=1) + rng.uniform(
-        0, 1, (n, 1)
-    )
+    movement = gaussian_series((n, N_LINES), 0.3, 8, rng)
+    height = rng.uniform(0, 1, (n, 1)) + np.cumsum(movement, axis=1)
     return 50 + slow + (height - np.rint(height) if levelled else 0)
 
 
@@ -235,9 +235,7 @@ HORIZON_STEP_NS = 0.2
 
 def blocks_of(depth_bins):
     """Layers (layer, range_line) in whole blocks, (block, layer, range_line)."""
-    n_blocks = depth_bins.shape[1] // N_LINES
-    cut = depth_bins[:, : n_blocks * N_LINES].reshape(len(depth_bins), n_blocks, N_LINES)
-    return cut.swapaxes(0, 1)
+    return sliding_window_view(depth_bins, N_LINES, axis=1)[:, ::N_LINES].swapaxes(0, 1)
 
 
 def horizons(shared_data):
