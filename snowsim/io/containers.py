@@ -25,6 +25,7 @@ from snowsim.io.files import (
     refusal,
     write_bytes,
 )
+from snowsim.io.times import utc_times
 
 SUPPLEMENT_FLAGS = (
     "coh_noise_removal_artifact",
@@ -55,6 +56,17 @@ ECHOGRAMS = ("nsidc", "cresis", "opr")
 LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
 # A file that lost half its variables is still called by its name, and what it lacks is named.
 SMALLEST_SHARE = 0.4
+
+# Unit of travel times that tell none, and units in seconds.
+TRAVEL_TIMES = {"twtt": "s", "fasttime": "us"}
+SECONDS = {
+    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
+    **dict.fromkeys(("microseconds", "us"), 1e-6),
+    **dict.fromkeys(("nanoseconds", "ns"), 1e-9),
+}
+# Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
+TELL_GPS = {"granule", "mimetype", "source_url"}
+TELL_UTC = {"source_format", "synthetic", "tracker"}
 
 NETCDF3, HDF5 = b"CDF", b"\x89HDF\r\n\x1a\n"
 USER_BLOCK_BYTES = 512  # of MATLAB, in front of HDF5
@@ -170,14 +182,8 @@ def in_words(kind):
     return FORMATS[kind][0]
 
 
-def read_netcdf(path):
-    """Dataset of a NetCDF file or Zarr store."""
-    with library_errors(path):
-        return opened(path).read()
-
-
-def read_matlab(path, names):
-    """Those of the named variables that a MAT file has, by name."""
+def read_values(path, names=None):
+    """What `Stored.read` gives of a file."""
     with library_errors(path):
         return opened(path).read(names)
 
@@ -238,10 +244,11 @@ def check_elements(content, order, start, end):
 
 
 def _labelled(path, source, **how):
-    """What a NetCDF file or Zarr store holds, what attributes of CF tell applied when it is read.
+    """What a NetCDF file or Zarr store holds, with what its attributes tell applied.
 
-    A fill value that no attribute tells hides nothing, and durations stay numbers: rounded to
-    nanoseconds they would lose their range bins.
+    Those of CF; travel times become seconds, GPS time of xopr, which keeps leap seconds in
+    `slow_time`, becomes UTC. A fill value that no attribute tells hides nothing, and durations stay
+    numbers: rounded to nanoseconds they would lose their range bins.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
@@ -255,6 +262,17 @@ def _labelled(path, source, **how):
             if " since " in units and units in str(error):
                 raise refusal(path, name, "units of time that CF allows", repr(units)) from error
         raise
+    is_gps = not TELL_GPS.isdisjoint(decoded.attrs) and TELL_UTC.isdisjoint(decoded.attrs)
+    if is_gps and "slow_time" in decoded:
+        utc = utc_times(decoded["slow_time"], gps=True)
+        decoded = decoded.assign_coords(slow_time=utc).assign_attrs(source_format="xopr")
+    for name in TRAVEL_TIMES.keys() & decoded.variables.keys():
+        unit = str(decoded[name].attrs.get("units") or TRAVEL_TIMES[name]).strip().lower()
+        if unit not in SECONDS:
+            raise refusal(path, name, ", ".join(SECONDS), unit)
+        if SECONDS[unit] != 1:
+            seconds = decoded[name].values * SECONDS[unit]
+            decoded[name] = (decoded[name].dims, seconds, {"units": "s"})
     # All of it, whatever names are asked for: it is a mapping, too.
     return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 from snowsim.echogram import bin_size_s, why_no_power
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_netcdf
+from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
 from snowsim.io.layers import surface_among
 from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, read_image, tells_db
@@ -34,7 +34,7 @@ def describe(path):
     exported = sorted(path.glob("scene_*.nc"))
     if exported:
         what = f"a folder of {len(exported)} exported scenes, of which this is one"
-        return _said(what, read_netcdf(exported[0]))
+        return _said(what, read_values(exported[0]))
     if path.is_dir() and not is_zarr(path):
         return _scenes("a folder of benchmark pairs", PairSet(path))
     if path.suffix == ".npy":

@@ -8,8 +8,9 @@ import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import SUPPLEMENT_FLAGS, read_netcdf, write_matlab
+from snowsim.io.containers import SUPPLEMENT_FLAGS, read_values, write_matlab
 from snowsim.io.files import MAXIMUM_BYTES, library_errors, refusal
+from snowsim.io.times import gps_seconds, utc_times
 
 UNITS = {
     "Data": "W (uncalibrated)",
@@ -24,16 +25,6 @@ UNITS = {
     "Heading": "radian",
     "Elevation_Correction": "range bins",
 }
-SECONDS = {
-    "s": 1.0,
-    "sec": 1.0,
-    "second": 1.0,
-    "seconds": 1.0,
-    "microseconds": 1e-6,
-    "us": 1e-6,
-    "nanoseconds": 1e-9,
-    "ns": 1e-9,
-}
 AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
 ALONG_TRACK = [name for name in UNITS if name not in AXES]
 # Span of an echogram in decibels, from the weakest pixel to the strongest; and its median as a
@@ -45,17 +36,7 @@ UNITS_OF_DB = ("db", "decibel", "decibels")
 PARAMETERS = ("season_name", "radar_name", "day_seg")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
-THIS_AGE = ("1980-01-06", "2100-01-01")
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
-# Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
-TELL_GPS = ("granule", "mimetype", "source_url")
-TELL_UTC = ("source_format", "synthetic", "tracker")
-# GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
-# Reference Systems Service.
-LEAP_DAYS = sorted(
-    [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
-    + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
-)
 
 
 def named_frame(path):
@@ -115,7 +96,7 @@ def read_opr(stored):
 
     Decibels, if the units of `Data` say so, become linear power.
     """
-    dataset = decoded(stored)
+    dataset = stored.read()
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
         power = power_of(dataset["Data"].values.astype(float), stored.path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
@@ -124,70 +105,6 @@ def read_opr(stored):
         dataset["Surface"] = unknown.assign_attrs(units="s")
     check_echogram(dataset, str(stored.path))
     return dataset.transpose("twtt", "slow_time", ...)
-
-
-def decoded(stored):
-    """Dataset of Open Polar Radar in memory, `slow_time` UTC and `twtt` in seconds.
-
-    xopr has GPS time there, leap seconds kept, and tells it by the attributes that it writes.
-    """
-    dataset = stored.read()
-    if not set(TELL_GPS).isdisjoint(dataset.attrs) and set(TELL_UTC).isdisjoint(dataset.attrs):
-        times = dataset["slow_time"].values.astype("datetime64[ns]")
-        late = np.timedelta64(leap_seconds(times[0], gps=True), "s")
-        dataset = dataset.assign_coords(slow_time=times - late).assign_attrs(source_format="xopr")
-    return dataset.assign(twtt=in_seconds(dataset["twtt"], "s"))
-
-
-def in_seconds(times, unit):
-    """A variable in seconds; in this unit if the file tells none."""
-    unit = str(times.attrs.get("units") or unit).strip().lower()
-    if unit not in SECONDS:
-        raise refusal(None, times.name, ", ".join(SECONDS), unit)
-    return times if SECONDS[unit] == 1 else (times * SECONDS[unit]).assign_attrs(units="s")
-
-
-def utc_times(seconds, *, gps=False):
-    """Seconds since 1970 as UTC, datetime64[ns] (range_line,); refused if not of this age.
-
-    GPS seconds lose their leap seconds. One offset holds for a whole file, that of its first line,
-    as in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
-    """
-    seconds = np.ravel(seconds).astype(float)
-    check_age(seconds)
-    late_s = leap_seconds(np.datetime64(int(seconds[0]), "s"), gps=True) if gps else 0
-    whole = np.floor(seconds)
-    nanoseconds = np.rint((seconds - whole) * 1e9)
-    return (whole - late_s).astype("datetime64[s]") + nanoseconds.astype("timedelta64[ns]")
-
-
-def check_age(seconds):
-    """Refuse seconds since 1970, (range_line,), that are not of this age."""
-    first, end = np.array(THIS_AGE, dtype="datetime64[s]").astype(float)
-    inside = (seconds >= first) & (seconds < end)
-    if not inside.all():
-        expected = f"seconds since 1970 that fall in {' to '.join(THIS_AGE)}"
-        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
-
-
-def gps_seconds(slow_time):
-    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
-
-    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
-    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
-    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
-    """
-    times = np.asarray(slow_time, dtype="datetime64[ns]")
-    whole, rest = np.divmod(times.astype(np.int64), 1_000_000_000)
-    return (whole + leap_seconds(times[0])) + rest * 1e-9
-
-
-def leap_seconds(time, *, gps=False):
-    """How many seconds GPS is ahead of UTC at a time, which is UTC or `gps`."""
-    ticks = np.array(LEAP_DAYS, dtype="datetime64[ns]")
-    if gps:
-        ticks = ticks + np.arange(1, ticks.size + 1) * np.timedelta64(1, "s")
-    return int(np.searchsorted(ticks, time, side="right"))
 
 
 def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
@@ -235,12 +152,11 @@ def read_nsidc(stored, *, compensated=False):
     """
     values = stored.read()
     axes = (*values["fasttime"].dims, *values["time"].dims)
-    times = np.ravel(values["time"]).astype("datetime64[ns]")
-    check_age(times.astype(float) * 1e-9)
+    times = utc_times(values["time"])
     midnights = np.cumsum(np.append(False, np.diff(times) < -HALF_DAY))
     content = {
         "Data": values["amplitude"].transpose(*axes).values,
-        "twtt": in_seconds(values["fasttime"], "us").values,
+        "twtt": values["fasttime"].values,
         "slow_time": times + 2 * HALF_DAY * midnights,
     }
     for ours in ALONG_TRACK:
@@ -276,7 +192,7 @@ def find_supplement(path):
 
 def _quality_mask(path, n_lines):
     """Flags of a supplement, set for a frame as a whole or line by line."""
-    stored = read_netcdf(path)
+    stored = read_values(path)
     flags = np.zeros((len(SUPPLEMENT_FLAGS), n_lines), dtype=bool)
     with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):

@@ -13,9 +13,9 @@ from snowsim.echogram import FAR_BINS, bin_size_s, check_choice, surface_away_bi
 from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
-from snowsim.io.echograms import leap_seconds
 from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import surface_among
+from snowsim.io.times import leap_seconds
 from snowsim.progress import shown
 
 COLUMNS = ("frame", "echogram", "layers", "role")

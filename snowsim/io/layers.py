@@ -9,16 +9,10 @@ import pandas as pd
 import xarray as xr
 
 from snowsim.echogram import check_layers
-from snowsim.io.containers import read_matlab, write_matlab
-from snowsim.io.echograms import (
-    UNITS,
-    decoded,
-    gps_seconds,
-    named_frame,
-    parameters,
-    utc_times,
-)
+from snowsim.io.containers import POSITION, read_values, write_matlab
+from snowsim.io.echograms import UNITS, named_frame, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
+from snowsim.io.times import gps_seconds, utc_times
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's convention.
@@ -34,7 +28,6 @@ GOOD, MANUAL, AUTOMATIC = 1, 1, 2
 FAR_S = 2e-7  # 30 m of air: so far the surface of one line cannot lie above that of all others
 # Names in old files, and of Open Polar Radar, by those of new ones.
 RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
-POSITIONS = ("Latitude", "Longitude", "Elevation")
 
 
 def read_cresis_layers(stored):
@@ -63,7 +56,7 @@ def read_cresis_layer_data(stored):
     Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
     2. Entries without a name are the surface and the bottom, in this order, as the format has it.
     """
-    values = stored.read(("GPS_time", "layerData", *POSITIONS))
+    values = stored.read(("GPS_time", "layerData", *POSITION))
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
     n_lines = np.size(values["GPS_time"])
@@ -86,7 +79,7 @@ def read_opr_layers(stored):
 
     A single layer without a `layer` dimension gets one.
     """
-    dataset = decoded(stored)
+    dataset = stored.read()
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
@@ -183,7 +176,7 @@ def _organized(path):
     organizer = find_organizer(path)
     if organizer is None:
         return {}
-    values = read_matlab(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
+    values = read_values(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
     ids = np.ravel(values["lyr_id"])
     cells = (values["lyr_name"], values.get("lyr_group_name", [""] * ids.size))
     # One cell alone comes as what it holds.
@@ -205,7 +198,7 @@ def _layers_dataset(values, picks, names, source):
     variables["group"] = ("layer", np.array(groups, str))
     for name, attributes in PICKS.items():
         variables[name] = (AXES, np.array(picks[name], dtype=float), attributes)
-    for name in POSITIONS:
+    for name in POSITION:
         if name in values:
             position = np.ravel(values[name]).astype(float)
             variables[name] = ("slow_time", position, {"units": UNITS[name]})
@@ -356,7 +349,7 @@ def _frame_content(segment, layers, n_layers):
         "param": parameters(segment, layers.attrs),
     }
     for theirs, ours in RENAMED.items():
-        if ours in POSITIONS:
+        if ours in POSITION:
             content[theirs] = layers[ours].values.astype(float)[None]
     for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
         flags = np.full(shape, absent)

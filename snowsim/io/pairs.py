@@ -15,7 +15,7 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
-from snowsim.io.containers import read_matlab
+from snowsim.io.containers import read_values
 from snowsim.io.files import (
     content_of,
     library_errors,
@@ -255,7 +255,7 @@ def _drawn_labels(path):
     is_mask = path.name.startswith("layer_binary_")
     if path.suffix == ".png":
         return read_mask(path) if is_mask else read_image(path)[0]
-    values = np.atleast_2d(read_matlab(path, ("layer",))["layer"])
+    values = np.atleast_2d(read_values(path, ("layer",))["layer"])
     if not _is_8_bit(values):
         raise refusal(path, "layer", "whole numbers from 0 to 255", values.dtype)
     return values > 0 if is_mask or values.dtype == bool else values.astype(np.uint8)
@@ -263,7 +263,7 @@ def _drawn_labels(path):
 
 def _mat_image(path, data_scale):
     """8-bit image of `data`, and the numbers that tell what it stands for."""
-    data = np.atleast_2d(read_matlab(path, ("data",))["data"])
+    data = np.atleast_2d(read_values(path, ("data",))["data"])
     if data_scale is None and _is_8_bit(data):
         return data.astype(np.uint8), {}
     scale = "db" if data.min() < 0 else data_scale

@@ -34,7 +34,7 @@ from snowsim.io import (
     write_image,
     write_scenes,
 )
-from snowsim.io.containers import read_matlab
+from snowsim.io.containers import read_values
 from snowsim.io.files import MAXIMUM_BYTES
 
 MOST_FLIPS = 8
@@ -293,7 +293,7 @@ def test_function_handles_among_parameters_are_no_data(path, content, shared_dat
         handle.attrs["MATLAB_class"] = np.bytes_("function_handle")
     assert read_echogram(path)["Data"].shape == content["Data"].shape
     real = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
-    assert read_matlab(real, ["param"])["param"]["day_seg"] == "20181030_01"
+    assert read_values(real, ["param"])["param"]["day_seg"] == "20181030_01"
 
 
 def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):

@@ -9,8 +9,7 @@ from numpy.testing import assert_array_equal
 from refusals import refusal
 
 from snowsim.io import read_layers, write_layer_files, write_layers
-from snowsim.io.echograms import utc_times
-from snowsim.io.layers import gps_seconds
+from snowsim.io.times import gps_seconds, utc_times
 
 SEGMENT = "20120330_04"
 N_LINES = 30

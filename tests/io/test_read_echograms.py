@@ -17,8 +17,8 @@ from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.io import echogram as echogram_of
 from snowsim.io import read_echogram, write_dataset, write_image
 from snowsim.io.describe import describe
-from snowsim.io.echograms import gps_seconds, utc_times
 from snowsim.io.predictions import read_picks
+from snowsim.io.times import gps_seconds, utc_times
 from snowsim.statistics import fit
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.

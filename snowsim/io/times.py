@@ -1,0 +1,55 @@
+"""Times in files: seconds since 1970, GPS time and UTC."""
+
+import numpy as np
+
+from snowsim.io.files import refusal
+
+SINCE = np.datetime64("1970-01-01", "s")
+THIS_AGE = ("1980-01-06", "2100-01-01")
+# GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
+# Reference Systems Service.
+LEAP_DAYS = sorted(
+    [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
+    + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
+)
+LEAP_UTC = np.array(LEAP_DAYS, dtype="datetime64[ns]")
+LEAP_GPS = LEAP_UTC + np.arange(1, LEAP_UTC.size + 1) * np.timedelta64(1, "s")
+
+
+def utc_times(times, *, gps=False):
+    """Times, or seconds since 1970, as UTC, datetime64[ns] (range_line,); refused if not of our age.
+
+    GPS time loses its leap seconds. One offset holds for a whole file, that of its first line, as
+    in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
+    """
+    times = np.ravel(times)
+    is_dated = times.dtype.kind == "M"
+    seconds = (times - SINCE) / np.timedelta64(1, "s") if is_dated else times.astype(float)
+    first, end = np.array(THIS_AGE, dtype="datetime64[s]").astype(float)
+    inside = (seconds >= first) & (seconds < end)
+    if not inside.all():
+        expected = f"seconds since 1970 that fall in {' to '.join(THIS_AGE)}"
+        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
+    if not is_dated:
+        whole = np.floor(seconds)
+        nanoseconds = np.rint((seconds - whole) * 1e9)
+        times = whole.astype("datetime64[s]") + nanoseconds.astype("timedelta64[ns]")
+    late_s = np.searchsorted(LEAP_GPS, times[0], side="right") if gps else 0
+    return times.astype("datetime64[ns]") - np.timedelta64(late_s, "s")
+
+
+def gps_seconds(slow_time):
+    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
+
+    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
+    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
+    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
+    """
+    times = np.asarray(slow_time, dtype="datetime64[ns]")
+    whole, rest = np.divmod(times.astype(np.int64), 1_000_000_000)
+    return (whole + leap_seconds(times[0])) + rest * 1e-9
+
+
+def leap_seconds(time):
+    """How many seconds GPS is ahead of UTC at a time in UTC."""
+    return int(np.searchsorted(LEAP_UTC, time, side="right"))
