@@ -394,17 +394,17 @@ def simulate(
       snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
     """  # noqa: D205, D301
     from snowsim.io import read_echogram
-    from snowsim.io.echograms import named_frame, write_cresis
+    from snowsim.io.echograms import named_frame
     from snowsim.io.files import write_dataset
-    from snowsim.io.layers import write_simulated_layers
+    from snowsim.io.layers import write_cresis
     from snowsim.snowpack import Climate, Radar, simulate
 
     segment, number = named_frame(echogram)
     path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
-    writers = (write_dataset, write_dataset)
+    write = write_dataset
     if echogram.suffix == ".mat":
         path_to_layers = echogram.parent / "CSARP_layer" / echogram.name
-        writers = (write_simulated_layers, write_cresis)
+        write = write_cresis
         if segment is None:
             msg = f"{echogram}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
             raise click.UsageError(msg)
@@ -417,8 +417,7 @@ def simulate(
         before = None if after is None else read_echogram(after)
         seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
     # Layers first: others may be named beside them.
-    paths = (path_to_layers, echogram)
-    for path, dataset, write in zip(paths, (layers, seen), writers, strict=True):
+    for path, dataset in ((path_to_layers, layers), (echogram, seen)):
         if segment is not None:
             dataset.attrs["granule"] = f"{segment}_{number:03d}"
         write(path, dataset)

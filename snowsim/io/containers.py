@@ -60,9 +60,14 @@ SMALLEST_SHARE = 0.4
 # Unit of travel times that tell none, and units in seconds.
 TRAVEL_TIMES = {"twtt": "s", "fasttime": "us"}
 SECONDS = {
-    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
-    **dict.fromkeys(("microseconds", "us"), 1e-6),
-    **dict.fromkeys(("nanoseconds", "ns"), 1e-9),
+    "s": 1.0,
+    "sec": 1.0,
+    "second": 1.0,
+    "seconds": 1.0,
+    "microseconds": 1e-6,
+    "us": 1e-6,
+    "nanoseconds": 1e-9,
+    "ns": 1e-9,
 }
 # Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
 TELL_GPS = {"granule", "mimetype", "source_url"}
@@ -134,7 +139,7 @@ def opened(path, content=None):
             file = netCDF4.Dataset(path.name, memory=content)
             # As it is declared: xarray reads coordinates when it opens a file.
             held = file.variables.values()
-            sizes = [math.prod(each.shape) * getattr(each.dtype, "itemsize", 8) for each in held]
+            sizes = [each.size * getattr(each.dtype, "itemsize", 8) for each in held]
             if sum(sizes) > MAXIMUM_BYTES:
                 raise refusal(path, "variables", MOST, sum(sizes))
             # The engine is named, or xarray looks for the packages of all.

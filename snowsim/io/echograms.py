@@ -8,7 +8,7 @@ import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import SUPPLEMENT_FLAGS, read_values, write_matlab
+from snowsim.io.containers import SUPPLEMENT_FLAGS, read_values
 from snowsim.io.files import MAXIMUM_BYTES, library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
@@ -248,7 +248,9 @@ def read_cresis(stored, *, compensated=False):
     is_scaled = "minData" in values or "maxData" in values
     if is_scaled:
         with library_errors(stored.path, "Data: expected integers scaled by minData and maxData"):
-            content["Data"] = _unscaled(content["Data"], values)
+            step_db = np.float32(values["maxData"] / np.iinfo(content["Data"].dtype).max)
+            data_db = content["Data"].astype(np.float32) * step_db
+            content["Data"] = data_db + np.float32(values["minData"])
     attributes = {"source_format": "CReSIS L1B MAT"}
     for struct in PARAMETER_STRUCTS:
         fields = values.get(struct)
@@ -262,31 +264,19 @@ def read_cresis(stored, *, compensated=False):
     return undo_compensation(echogram, -kept[0], time.size - padding - kept[0])
 
 
-def _unscaled(data, values):
-    """Decibels that integers stand for."""
-    step_db = np.float32(values["maxData"] / np.iinfo(data.dtype).max)
-    return data.astype(np.float32) * step_db + np.float32(values["minData"])
-
-
-def write_cresis(path, echogram):
-    """Write an echogram of `snowsim.simulate` as a CReSIS L1B file, MAT v5.
-
-    Its name tells segment and frame; GPS seconds have their leap seconds.
-    """
-    segment, _ = named_frame(path)
-    low_hz = echogram.attrs["centre_hz"] - echogram.attrs["bandwidth_hz"] / 2
-    sweep = {"f0": low_hz, "f1": low_hz + echogram.attrs["bandwidth_hz"], "fmult": 1.0}
+def l1b_content(segment, echogram):
+    """Variables of a CReSIS L1B file of an echogram of `snowsim.simulate`."""
+    centre_hz = echogram.attrs["centre_hz"]
+    half_hz = echogram.attrs["bandwidth_hz"] / 2
+    sweep = {"f0": centre_hz - half_hz, "f1": centre_hz + half_hz, "fmult": 1.0}
     records = {"gps_source": "", "cmd": {"mission_names": ""}, "radar": {"wfs": sweep}}
     content = {
         "Data": echogram["Data"].transpose("twtt", "slow_time").values,
         "Time": echogram["twtt"].values[:, None],
-        "GPS_time": gps_seconds(echogram["slow_time"].values)[None],
+        "GPS_time": gps_seconds(echogram["slow_time"].values),
         "param_records": parameters(segment, echogram.attrs) | records,
     }
-    for name in ALONG_TRACK:
-        if name in echogram:
-            content[name] = echogram[name].values[None]
-    write_matlab(path, "echogram", content)
+    return content | {name: echogram[name].values for name in ALONG_TRACK if name in echogram}
 
 
 def parameters(segment, attributes):

@@ -50,8 +50,8 @@ def read_frames(path):
         raise refusal(path, "columns", expected, f"{found}, longer ones" if is_ragged else found)
     table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
-        files = [path.parent / file if file else "" for file in table[name]]
-        table[name] = [os.path.abspath(file) if file else "" for file in files]
+        files = table[name]
+        table[name] = [os.path.abspath(path.parent / file) if file else "" for file in files]
     failed = _troubles(table)
     report(failed, f"{path}: {len(failed)} of {len(table)} frames fail")
     return table

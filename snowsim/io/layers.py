@@ -10,7 +10,7 @@ import xarray as xr
 
 from snowsim.echogram import check_layers
 from snowsim.io.containers import POSITION, read_values, write_matlab
-from snowsim.io.echograms import UNITS, named_frame, parameters
+from snowsim.io.echograms import UNITS, l1b_content, named_frame, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 
@@ -250,16 +250,8 @@ def write_layer_files(folder, segment, frames, *, force=False):
         whose layers the organizer would name anew; if layers cross, or a variable is missing.
     """
     refuse_other_frames(folder, segment, frames)
-    n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
-    contents = {}
-    for number, layers in frames.items():
-        path = _frame_path(folder, segment, number)
-        check_layers(layers, str(path))
-        with library_errors(path, "layers: expected with positions along slow_time"):
-            contents[path] = _frame_content(segment, layers, n_layers)
-    attributes = next(iter(frames.values())).attrs
-    organizer = _parent(folder, segment) / f"layer_{segment}.mat"
-    contents[organizer] = _organizer_content(segment, attributes, n_layers)
+    of_paths = {_frame_path(folder, segment, number): frames[number] for number in frames}
+    contents = _contents(segment, of_paths, "tracked")
     for path in contents if not force else ():
         refuse_existing(path)
     for path, content in contents.items():
@@ -267,20 +259,24 @@ def write_layer_files(folder, segment, frames, *, force=False):
     return list(contents)
 
 
-def write_simulated_layers(path, layers):
-    """Write layers of one frame as a CReSIS layer file, and the organizer beside it.
+def write_cresis(path, dataset):
+    """Write an echogram or layers of `snowsim.simulate` as CReSIS files, MAT v5.
 
-    ValueError where one is there that names others.
+    The name tells segment and frame; GPS seconds have their leap seconds. An echogram is an L1B
+    file, layers are a layer file and the organizer beside it; ValueError where one is there that
+    names others.
     """
     segment, _ = named_frame(path)
-    organizer = path.with_name(f"layer_{segment}.mat")
-    names = _layer_names(layers.sizes["layer"])
+    if "Data" in dataset:
+        write_matlab(path, "echogram", l1b_content(segment, dataset))
+        return
+    names = _layer_names(dataset.sizes["layer"])
     there = [name for name, _ in _organized(path).values()]
     if there not in ([], names):
+        organizer = find_organizer(path)
         raise refusal(organizer, "lyr_name", f"surface to {names[-1]}", ", ".join(there))
-    content = _organizer_content(segment, layers.attrs, len(names), "simulated")
-    write_matlab(organizer, "layers", content)
-    write_matlab(path, "layers", _frame_content(segment, layers, len(names)))
+    for file, content in _contents(segment, {path: dataset}, "simulated").items():
+        write_matlab(file, "layers", content)
 
 
 def layer_numbers(layers):
@@ -334,8 +330,31 @@ def refuse_existing(path):
         raise refusal(path, "file", "none, or --force (force=True) to write over it", "one")
 
 
+def _contents(segment, frames, origin):
+    """Variables of layer files, by path as their layers are, and of their organizer, the last."""
+    n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
+    contents = {}
+    for path, layers in frames.items():
+        check_layers(layers, str(path))
+        with library_errors(path, "layers: expected with positions along slow_time"):
+            contents[path] = _frame_content(segment, layers, n_layers)
+    contents[path.with_name(f"layer_{segment}.mat")] = {
+        "file_type": "layer_organizer",
+        "file_version": VERSION,
+        "lyr_age": np.full(n_layers, np.nan),
+        "lyr_age_source": _cell([np.empty((0, 0), dtype=object)] * n_layers),
+        "lyr_desc": _cell(["snow surface"] + [f"snow layer, {origin}"] * (n_layers - 1)),
+        "lyr_group_name": _cell([GROUP_OF_SURFACE] + [GROUP] * (n_layers - 1)),
+        "lyr_id": 1.0 + np.arange(n_layers),
+        "lyr_name": _cell(_layer_names(n_layers)),
+        "lyr_order": 1.0 + np.arange(n_layers),
+        "param": parameters(segment, next(iter(frames.values())).attrs),
+    }
+    return contents
+
+
 def _frame_content(segment, layers, n_layers):
-    """Variables of a frame's layer file, shaped as MATLAB has them."""
+    """Variables of a frame's layer file."""
     shape = (n_layers, layers.sizes["slow_time"])
     numbers = layer_numbers(layers)
     twtt = np.full(shape, np.nan)
@@ -343,38 +362,19 @@ def _frame_content(segment, layers, n_layers):
     content = {
         "file_type": "layer",
         "file_version": VERSION,
-        "gps_time": gps_seconds(layers["slow_time"].values)[None],
-        "id": 1.0 + np.arange(n_layers)[None],
+        "gps_time": gps_seconds(layers["slow_time"].values),
+        "id": 1.0 + np.arange(n_layers),
         "twtt": twtt,
         "param": parameters(segment, layers.attrs),
     }
     for theirs, ours in RENAMED.items():
         if ours in POSITION:
-            content[theirs] = layers[ours].values.astype(float)[None]
+            content[theirs] = layers[ours].values.astype(float)
     for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
         flags = np.full(shape, absent)
         flags[numbers] = layers[name].transpose("layer", "slow_time").values
         content[name] = np.where(np.isfinite(twtt), flags, absent).astype(np.uint8)
     return content
-
-
-def _organizer_content(segment, attributes, n_layers, origin="tracked"):
-    """Variables of the file that names the layers of a segment, and tells their origin."""
-    numbers = 1.0 + np.arange(n_layers)[None]
-    below = range(1, n_layers)
-    nothing = [np.empty((0, 0), dtype=object)] * n_layers
-    return {
-        "file_type": "layer_organizer",
-        "file_version": VERSION,
-        "lyr_age": np.full((1, n_layers), np.nan),
-        "lyr_age_source": _cell(nothing),
-        "lyr_desc": _cell(["snow surface", *(f"snow layer, {origin}" for _ in below)]),
-        "lyr_group_name": _cell([GROUP_OF_SURFACE, *(GROUP for _ in below)]),
-        "lyr_id": numbers,
-        "lyr_name": _cell(_layer_names(n_layers)),
-        "lyr_order": numbers,
-        "param": parameters(segment, attributes),
-    }
 
 
 def _layer_names(n_layers):
@@ -383,7 +383,4 @@ def _layer_names(n_layers):
 
 def _cell(values):
     """A row of MATLAB cells."""
-    row = np.empty((1, len(values)), dtype=object)
-    for column, value in enumerate(values):
-        row[0, column] = value
-    return row
+    return np.fromiter(values, dtype=object)[None]

@@ -58,8 +58,8 @@ def read_image(path, expected="8-bit grey", content=None):
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
                 raise refusal(path, "image", expected, f"mode {file.mode}")
-        held = {name: kind for name, kind in NUMBERS_IN_TEXT.items() if name in texts}
-        numbers = {name: kind(texts[name]) for name, kind in held.items()}
+        told = NUMBERS_IN_TEXT.items()
+        numbers = {name: kind(texts[name]) for name, kind in told if name in texts}
     return colours[..., 0], numbers
 
 
@@ -185,9 +185,13 @@ def read_pair(path, *, data_scale=None):
     """
     path = Path(path)
     with library_errors(path):
-        is_mat = path.suffix == ".mat"
-        image, numbers = _mat_image(path, data_scale) if is_mat else read_image(path)
-        label, drawn = pair_labels(path)
+        values = {}
+        if path.suffix == ".mat":
+            values = read_values(path, ("data", "layer"))
+            image, numbers = _mat_image(path, values["data"], data_scale)
+        else:
+            image, numbers = read_image(path)
+        label, drawn = pair_labels(path, values.get("layer"))
     if drawn.shape != image.shape:
         raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)
     layer_bins = layers_of_labels(drawn, label)
@@ -236,34 +240,36 @@ def labels_beside(path):
     return [label for label in labels if label.is_file()]
 
 
-def pair_labels(path):
+def pair_labels(path, within=None):
     """File and labels of an image `data_*`: uint8 layer numbers, or a mask of bool.
 
-    They are beside it, or within it if it is a MAT file. Numbers and a mask must agree.
+    They are beside it, else those `within` it, as of a MAT file. Numbers and a mask must agree.
     """
     first, *others = labels_beside(path) or [path]
-    if first == path and path.suffix == ".png":
+    is_within = first == path
+    if is_within and within is None:
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
-    drawn = _drawn_labels(first)
+    drawn = _drawn_labels(first, within if is_within else None)
     for other in others:
         if not np.array_equal(_drawn_labels(other), drawn > 0):
             raise refusal(other, "mask", f"what {first.name} has", "a difference")
     return first, drawn
 
 
-def _drawn_labels(path):
+def _drawn_labels(path, values=None):
     is_mask = path.name.startswith("layer_binary_")
     if path.suffix == ".png":
         return read_mask(path) if is_mask else read_image(path)[0]
-    values = np.atleast_2d(read_values(path, ("layer",))["layer"])
+    values = read_values(path, ("layer",))["layer"] if values is None else values
     if not _is_8_bit(values):
         raise refusal(path, "layer", "whole numbers from 0 to 255", values.dtype)
+    values = np.atleast_2d(values)
     return values > 0 if is_mask or values.dtype == bool else values.astype(np.uint8)
 
 
-def _mat_image(path, data_scale):
+def _mat_image(path, data, data_scale):
     """8-bit image of `data`, and the numbers that tell what it stands for."""
-    data = np.atleast_2d(read_values(path, ("data",))["data"])
+    data = np.atleast_2d(data)
     if data_scale is None and _is_8_bit(data):
         return data.astype(np.uint8), {}
     scale = "db" if data.min() < 0 else data_scale

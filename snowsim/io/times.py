@@ -8,16 +8,32 @@ SINCE = np.datetime64("1970-01-01", "s")
 THIS_AGE = ("1980-01-06", "2100-01-01")
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
 # Reference Systems Service.
-LEAP_DAYS = sorted(
-    [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
-    + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
-)
+LEAP_DAYS = [
+    "1981-07-01",
+    "1982-07-01",
+    "1983-07-01",
+    "1985-07-01",
+    "1988-01-01",
+    "1990-01-01",
+    "1991-01-01",
+    "1992-07-01",
+    "1993-07-01",
+    "1994-07-01",
+    "1996-01-01",
+    "1997-07-01",
+    "1999-01-01",
+    "2006-01-01",
+    "2009-01-01",
+    "2012-07-01",
+    "2015-07-01",
+    "2017-01-01",
+]
 LEAP_UTC = np.array(LEAP_DAYS, dtype="datetime64[ns]")
 LEAP_GPS = LEAP_UTC + np.arange(1, LEAP_UTC.size + 1) * np.timedelta64(1, "s")
 
 
 def utc_times(times, *, gps=False):
-    """Times, or seconds since 1970, as UTC, datetime64[ns] (range_line,); refused if not of our age.
+    """Times, or seconds since 1970, as UTC, datetime64[ns] (range_line,); of our age or refused.
 
     GPS time loses its leap seconds. One offset holds for a whole file, that of its first line, as
     in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
