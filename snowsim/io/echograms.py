@@ -193,16 +193,15 @@ def find_supplement(path):
 def _quality_mask(path, n_lines):
     """Flags of a supplement, set for a frame as a whole or line by line."""
     stored = read_values(path)
-    flags = np.zeros((len(SUPPLEMENT_FLAGS), n_lines), dtype=bool)
+    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
+    mask = np.zeros(n_lines, dtype=np.uint8)
     with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
             expected = f"flags {', '.join(SUPPLEMENT_FLAGS)}"
             raise refusal(path, "supplement", expected, "none of them")
-        for row, name in enumerate(SUPPLEMENT_FLAGS):
+        for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
             if name in stored:
-                flags[row] = stored[name].values != 0
-    (mask,) = np.packbits(flags, axis=0, bitorder="little")
-    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
+                mask |= bit * (stored[name].values != 0)
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}
 
 

@@ -181,7 +181,11 @@ def read_frame(
     layers = _layers_from_surface(row.layers, layer_names)
     _check_clock(row.layers, layers, echogram)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
-    _warn_of_surface(row.layers, layers, echogram)
+    away_bins = surface_away_bins(echogram, layers)
+    if away_bins > FAR_BINS:
+        msg = f"{row.layers}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
+        msg += "Surface in the median: is it the snow surface?"
+        warnings.warn(msg, UserWarning, stacklevel=2)
     # Before levelling: a flagged line must not decide where the surface lies.
     echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
     n_flagged, flags = frames.count_flagged(echogram)
@@ -223,15 +227,6 @@ def _check_clock(path, layers, echogram):
             order = "later" if shift_s < 0 else "earlier"
             found = f"times {abs(shift_s)} s {order} than its own: is one of both GPS time?"
             raise refusal(path, "slow_time", "UTC as in the echogram", found)
-
-
-def _warn_of_surface(path, layers, echogram):
-    """Warn if the median distance of layer 0 from the echogram's own surface is large."""
-    away_bins = surface_away_bins(echogram, layers)
-    if away_bins > FAR_BINS:
-        msg = f"{path}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
-        msg += "Surface in the median: is it the snow surface?"
-        warnings.warn(msg, UserWarning, stacklevel=3)
 
 
 def each_frame(table, role=None, **options):

@@ -67,8 +67,9 @@ def read_cresis_layer_data(stored):
         quality = np.ravel(entry.get("quality", ()))
         picks["twtt"].append(automatic)
         picks["quality"].append(quality if quality.size == n_lines else np.full(n_lines, GOOD))
-        is_manual = np.isfinite(manual) if manual.size else np.zeros(n_lines, dtype=bool)
-        picks["type"].append(np.where(is_manual, MANUAL, AUTOMATIC))
+        types = np.full(n_lines, AUTOMATIC)
+        types[np.flatnonzero(np.isfinite(manual))] = MANUAL
+        picks["type"].append(types)
         unnamed = OLD_NAMES[number] if number < len(OLD_NAMES) else f"layer {number + 1}"
         names.append((_text(entry.get("name")) or unnamed, _text(entry.get("group_name"))))
     return _layers_dataset(values, picks, names, "CReSIS layerData")
@@ -193,9 +194,11 @@ def _layers_dataset(values, picks, names, source):
     """Dataset of all layers of a CReSIS file, of its values, picks and (name, group) of layers."""
     plain, groups = zip(*names, strict=True)
     full = [f"{group}:{name}" if plain.count(name) > 1 else name for name, group in names]
-    variables = {"slow_time": utc_times(values["GPS_time"], gps=True)}
-    variables["layer"] = np.array(full, str)
-    variables["group"] = ("layer", np.array(groups, str))
+    variables = {
+        "slow_time": utc_times(values["GPS_time"], gps=True),
+        "layer": np.array(full, str),
+        "group": ("layer", np.array(groups, str)),
+    }
     for name, attributes in PICKS.items():
         variables[name] = (AXES, np.array(picks[name], dtype=float), attributes)
     for name in POSITION:

@@ -362,26 +362,26 @@ def export_netcdf(folder, scenes, *, list_name="all.lst"):
     `complete_layer_bins` (layer, range_line), `mask`; what grey levels mean, zone and notes are
     attributes. Scenes, with or without images, are held one at a time.
     """
-    return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
+    return _export_datasets(folder, scenes, list_name, "nc")
 
 
 def export_zarr(folder, scenes, *, list_name="all.lst"):
     """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
     if importlib.util.find_spec("zarr") is None:
         raise refusal(folder, "Zarr", "package zarr (pip install 'zarr>=3')", "none")
-    return _export_datasets(folder, scenes, list_name, "zarr", _write_store)
+    return _export_datasets(folder, scenes, list_name, "zarr")
 
 
-def _write_store(path, dataset):
-    with written_whole(path) as aside:
-        dataset.to_zarr(aside, mode="w", consolidated=False)
-
-
-def _export_datasets(folder, scenes, list_name, ending, write):
+def _export_datasets(folder, scenes, list_name, ending):
     folder = Path(folder)
     n_scenes = 0
     for scene in _listed(folder, scenes, list_name, f"scene_{{}}.{ending}"):
-        write(folder / f"scene_{scene.name}.{ending}", _dataset(scene))
+        path = folder / f"scene_{scene.name}.{ending}"
+        if ending == "nc":
+            write_dataset(path, _dataset(scene))
+        else:
+            with written_whole(path) as aside:
+                _dataset(scene).to_zarr(aside, mode="w", consolidated=False)
         n_scenes += 1
     return {"n_scenes": n_scenes}
 

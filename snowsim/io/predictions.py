@@ -191,10 +191,11 @@ def read_array(path, names=(), least_rows=1, stored=None):
         with library_errors(path):
             stored = opened(stored or path, content).read()
         images = [name for name, variable in stored.variables.items() if variable.ndim == 2]
-        name, *others = [name for name in names if name in stored] or images or [""]
-        if name not in stored or (name not in names and others):
+        found = [name for name in names if name in stored][:1] or images
+        if len(found) != 1:
             expected = f"one of {', '.join(names)}, or one image alone"
             raise refusal(path, "variables", expected, listed(map(str, stored.variables)))
+        name = found[0]
         down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
         values = stored[name].transpose(*down, ...).values
     alone = [axis for axis, length in enumerate(values.shape) if length == 1]
