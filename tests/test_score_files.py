@@ -4,6 +4,7 @@ The published layout, the reference's maps, every form of truth, planted errors.
 """
 
 import json
+import shutil
 
 import formats
 import numpy as np
@@ -124,13 +125,13 @@ def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
     assert "ods" not in table
 
 
-def test_the_image_beside_a_map_is_not_taken_for_it(tmp_path):
-    write_image(tmp_path / "true/layer_binary_a.png", MASK)
-    write_image(tmp_path / "made/a.png", edge_map())
-    write_image(tmp_path / "made/data_a.png", 255 - edge_map())
-    alone = score_folders(tmp_path / "made/a.png", tmp_path / "true/layer_binary_a.png")
-    beside = score_folders(tmp_path / "made", tmp_path / "true")
-    assert beside["ods"][0] == alone["ods"][0] > 0.9
+def test_the_image_beside_a_map_is_not_taken_for_it(folders):
+    made, true = folders
+    (made / "fuse").rename(true.with_name("maps"))
+    write_image(true.with_name("maps") / "20120429_01_000.png", edge_map())
+    table = score_folders(true.with_name("maps"), true, matched_only=True).set_index("image")
+    # Beside it lies data_20120429_01_000.png, a bin too deep.
+    assert table.loc["20120429_01_000", "mean_absolute_error_bins"] == 0
 
 
 def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_path):
@@ -166,17 +167,18 @@ def ten(tmp_path):
 def test_scores_do_not_rise_when_predictions_are_missing(ten, picks):
     made, true = ten
     if picks:
-        for number in range(10):
-            np.save(made / f"{number}.npy", LAYERS)
+        made = true
     metric = "share_found" if picks else "ods"
-    whole = score_folders(*ten, picks=picks, n_bootstrap=1).set_index("image")
-    (made / "1.npy").unlink()
-    lacking = score_folders(*ten, picks=picks, n_bootstrap=1)
+    whole = score_folders(made, true, picks=picks, n_bootstrap=1).set_index("image")
+    lacking = made.with_name("lacking")
+    shutil.copytree(made, lacking)
+    (lacking / "1.npy").unlink()
+    found = score_folders(lacking, true, picks=picks, n_bootstrap=1)
     said = "truths without a prediction count as empty maps (1 of 10): 1"
-    assert lacking.attrs["notes"] == [said]
-    lacking = lacking.set_index("image")
-    assert lacking.loc["1", [metric, "n_missed_layers"]].tolist() == [0, 3]
-    assert lacking.loc["all", metric] < whole.loc["all", metric]
+    assert found.attrs["notes"] == [said]
+    found = found.set_index("image")
+    assert found.loc["1", [metric, "n_missed_layers"]].tolist() == [0, 3]
+    assert found.loc["all", metric] < whole.loc["all", metric]
 
 
 def test_scores_of_matched_pairs_alone_say_so_first(ten, capsys):
@@ -188,11 +190,16 @@ def test_scores_of_matched_pairs_alone_say_so_first(ten, capsys):
         assert (err if form == "csv" else out).startswith(said)
 
 
-def test_truth_without_a_layer_counts_what_is_predicted_there_as_false(ten):
-    np.save(ten[1] / "1.npy", np.zeros((N_BINS, 64)))
-    table = score_folders(*ten, n_bootstrap=1)
-    said = "in truths without a layer every prediction is false (1 of 10): 1"
-    assert table.attrs["notes"] == [said]
+def test_truth_without_a_layer_and_predictions_without_a_truth_are_named(ten):
+    made, true = ten
+    np.save(true / "1.npy", np.zeros((N_BINS, 64)))
+    np.save(made / "extra.npy", edge_map(1))
+    table = score_folders(made, true, n_bootstrap=1)
+    assert table.attrs["notes"] == [
+        "predictions without a truth are left out (1 of 11): extra",
+        "in truths without a layer every prediction is false (1 of 10): 1",
+    ]
+    assert len(table) == 10 + 3
     row = table.set_index("image").loc["1"]
     assert row[["ods", "n_layers", "n_missed_layers", "n_false_layers"]].tolist() == [0, 0, 0, 1]
 
@@ -253,14 +260,6 @@ def test_grey_images_of_three_colours_or_16_bits_and_batches_of_one_score_as_the
     for name in (*forms, "batch.npy"):
         found = score_folders(tmp_path / name, tmp_path / "true.png", n_bootstrap=1)
         assert found.loc[0, ["ods", "ap"]].tolist() == expected
-
-
-def test_a_prediction_too_many_is_named_and_left_out(ten):
-    np.save(ten[0] / "extra.npy", edge_map(1))
-    table = score_folders(*ten, n_bootstrap=1)
-    assert len(table) == 10 + 3
-    said = "predictions without a truth are left out (1 of 11): extra"
-    assert table.attrs["notes"] == [said]
 
 
 BIN_S = 2e-10
