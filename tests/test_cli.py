@@ -4,6 +4,7 @@ import dataclasses
 import resource
 import subprocess
 import sys
+from pathlib import Path
 
 import formats
 import netCDF4
@@ -12,14 +13,12 @@ import pytest
 from click.testing import CliRunner
 from toy_scenes import toy_scenes
 
-import snowsim
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
 from snowsim.io import (
     PairSet,
     export_netcdf,
     read_tracker,
-    write_dataset,
     write_image,
     write_scenes,
 )
@@ -31,35 +30,30 @@ TRUTH[[10, 30]] = True
 
 
 @pytest.fixture
-def place(tmp_path, monkeypatch):
+def place(tmp_path, rng, monkeypatch):
     """Folder to work in, with an image's map, its truth, a scene set, and faulty files."""
     monkeypatch.chdir(tmp_path)
-    for folder in ("made/fuse", "made/merge", "true", "empty"):
-        (tmp_path / folder).mkdir(parents=True)
-    write_image(tmp_path / "made/fuse/data_a.png", (255 * TRUTH).astype(np.uint8))
-    write_image(tmp_path / "true/layer_binary_a.png", TRUTH)
+    for folder in ("made/merge", "empty"):
+        Path(folder).mkdir(parents=True)
+    write_image("made/fuse/data_a.png", (255 * TRUTH).astype(np.uint8))
+    write_image("true/layer_binary_a.png", TRUTH)
     arrays = {
         "nan": np.where(TRUTH, np.nan, 0),
         "dim": TRUTH.astype(np.uint8),
         "none": 0 * RAMP,
         "dark": 1.0 - TRUTH,
-        "shades": RAMP,
         "crossing": np.array([[9.0], [3.0]]) + np.zeros(20),
         "one": TRUTH.astype(float),
         "narrow": RAMP[:2, :9],
     }
     for name, values in arrays.items():
-        np.save(tmp_path / f"{name}.npy", values)
-    (tmp_path / "text.nc").write_text("no dataset")
-    (tmp_path / "cut.npy").write_bytes((tmp_path / "one.npy").read_bytes()[:-1])
-    write_scenes(tmp_path / "scenes.nc", toy_scenes(2))
-    whole = (tmp_path / "scenes.nc").read_bytes()
-    (tmp_path / "cut.nc").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "b_layers.nc").touch()
-    snow = snowsim.Snowpack([0, 1], [340, 400])
-    rng = np.random.default_rng(1)
-    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=2, rng=rng)
-    echogram.to_netcdf(tmp_path / "echogram.nc")
+        np.save(f"{name}.npy", values)
+    write_scenes("scenes.nc", toy_scenes(2))
+    for cut, whole in (("cut.npy", "one.npy"), ("cut.nc", "scenes.nc")):
+        Path(cut).write_bytes(Path(whole).read_bytes()[:-1000])
+    Path("text.nc").write_text("no dataset")
+    Path("b_layers.nc").touch()
+    formats.opr_dataset(formats.truth(rng)).to_netcdf("echogram.nc")
     return tmp_path
 
 
@@ -141,11 +135,8 @@ WRITING = [
 
 @pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", *WRITING])
 def test_no_room_ends_in_one_line(place, rng, arguments):
-    for name in "ab":
-        write_image(
-            place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8)
-        )
-        write_image(place / f"frames/layer_binary_{name}.png", TRUTH)
+    write_image(place / "frames/data_a.png", rng.integers(0, 256, size=(50, 20), dtype=np.uint8))
+    write_image(place / "frames/layer_binary_a.png", TRUTH)
     (place / "out").mkdir()
     command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
     # Standard output is a full disk; and no file may grow beyond 500 bytes.
@@ -164,35 +155,22 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
     assert not list(place.glob("out/*"))
 
 
-def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    content = formats.truth(rng)
-    content["Surface"][3] = np.nan
-    shifted = formats.compensated(
-        content, np.arange(formats.N_LINES) % 5, n_kept=formats.N_BINS, truncate_time=True
-    )
-    formats.write_nsidc("nsidc.nc", shifted)
-    formats.write_mat5(
-        "layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"])
-    )
-    scenes = toy_scenes(2)
-    for number, scene in enumerate(scenes):
-        scene.notes["n_pixels_cut"] = 3 + number
-    write_scenes("scenes.nc", scenes)
-    printed = {}
-    for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
-        main(["info", name])
-        printed[name] = capsys.readouterr().out
-    parts = ("IRSNO1B", "slow_time: 40", "bins of 2.886e-10 s", "undone", "dB", "no supp")
-    for part in (*parts, "Surface is unknown on 1 "):
-        assert part in printed["nsidc.nc"], part
-    assert "id 1: 97.5% picked" in printed["layers.mat"]
-    assert "none is named surface" in printed["layers.mat"]
-    assert "2 scenes" in printed["scenes.nc"]
-    assert "7 labelled pixels lie below the images" in printed["scenes.nc"]
-    formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
-    main(["info", "nsidc.nc"])
-    assert "no supplement" not in capsys.readouterr().out
+TOLD = {
+    "nsidc.nc": ["IRSNO1B", "slow_time: 40", "bins of 2.886e-10 s", "undone", "dB", "no supp"],
+    "nsidc_gap.nc": ["Surface is unknown on 1 "],
+    "layers.mat": ["id 1: 97.5% picked", "none is named surface"],
+    "scenes.nc": ["2 scenes", "7 labelled pixels lie below the images"],
+    "labels.nc": ["notes   none"],
+    "set": ["format  a folder of 2 exported scenes", "range_bin: 96"],
+    "mask.png": ["range_bin: 50, range_line: 20", "2 levels from 0"],
+    "shades.npy": ["range_bin: 50, range_line: 20", "50 levels from 0"],
+    REFERENCE: [
+        "format  statistics of a flight\n",
+        "n_range_lines:             40960",
+        "layer: 57",
+        "synthetic reference flight",
+    ],
+}
 
 
 def described(path, capsys):
@@ -200,26 +178,34 @@ def described(path, capsys):
     return capsys.readouterr().out
 
 
-def test_info_tells_what_statistics_rest_on_and_what_an_exported_folder_holds(tmp_path, capsys):
-    printed = described(REFERENCE, capsys)
-    assert printed.startswith("format  statistics of a flight\n")
-    assert "n_range_lines:             40960" in printed
-    assert "layer: 57" in printed
-    assert "synthetic reference flight" in printed
+def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    content = formats.truth(rng)
+    correction = np.arange(formats.N_LINES) % 5
+    options = {"n_kept": formats.N_BINS, "truncate_time": True}
+    formats.write_nsidc("nsidc.nc", formats.compensated(content, correction, **options))
+    content["Surface"][3] = np.nan
+    formats.write_nsidc("nsidc_gap.nc", content)
+    layers = formats.layer_content([content["Surface"]], [1], content["GPS_time"])
+    formats.write_mat5("layers.mat", layers)
     scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
+    write_scenes("labels.nc", [dataclasses.replace(scene, image=None) for scene in scenes])
+    for number, scene in enumerate(scenes):
+        scene.notes["n_pixels_cut"] = 3 + number
+    write_scenes("scenes.nc", scenes)
     export_netcdf(tmp_path / "set", scenes)
-    printed = described(tmp_path / "set", capsys)
-    assert printed.startswith("format  a folder of 2 exported scenes")
-    assert "range_bin: 96" in printed
-
-
-@pytest.mark.parametrize(
-    ("file", "levels"), [("true/layer_binary_a.png", "2"), ("shades.npy", "50")]
-)
-def test_info_tells_a_mask_from_an_edge_map_by_its_levels(place, capsys, file, levels):
-    printed = described(place / file, capsys)
-    assert "range_bin: 50, range_line: 20" in printed
-    assert f"{levels} levels from 0" in printed
+    write_image(tmp_path / "mask.png", TRUTH)
+    np.save("shades.npy", RAMP)
+    for name, parts in TOLD.items():
+        printed = described(name, capsys)
+        for part in parts:
+            assert part in printed, name
+    formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
+    assert "no supplement" not in described("nsidc.nc", capsys)
+    # Layers that have numbers begin with the surface.
+    twtt = [content["Surface"], content["Surface"] + 1e-8]
+    formats.opr_layers(twtt, content["GPS_time"]).to_netcdf("numbered.nc")
+    assert "none is named surface" not in described("numbered.nc", capsys)
 
 
 def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
@@ -276,14 +262,3 @@ def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, 
     with pytest.raises(SystemExit):
         main(["train", "scenes.nc", "-o", "mine.onnx"])
     assert capsys.readouterr().err == "error: train needs torch: pip install 'snowsim[learn]'\n"
-
-
-def test_info_notes_nothing_where_there_is_nothing_to_watch_for(tmp_path, capsys):
-    snow = snowsim.Climate(accumulation_m=0.3)
-    _, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=8, rng=1)
-    numbered = layers.assign_coords(layer=np.arange(layers.sizes["layer"]))
-    write_dataset(tmp_path / "layers.nc", numbered)
-    assert "none is named surface" not in described(tmp_path / "layers.nc", capsys)
-    label_sets = [dataclasses.replace(scene, image=None) for scene in toy_scenes(2)]
-    write_scenes(tmp_path / "labels.nc", label_sets)
-    assert "notes   none" in described(tmp_path / "labels.nc", capsys)

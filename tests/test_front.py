@@ -15,7 +15,7 @@ import snowsim
 from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
-from snowsim.io import PairSet, read_dataset, read_echogram, read_layers
+from snowsim.io import PairSet, read_dataset
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 
@@ -23,17 +23,11 @@ ROOT = Path(__file__).resolve().parents[1]
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 
-def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
-    snow = snowsim.Snowpack(**SNOW)
-    echogram, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=5, rng=rng)
-    echogram.to_netcdf(tmp_path / "echogram.nc")
-    layers.to_netcdf(tmp_path / "layers.nc")
-    read = read_echogram(tmp_path / "echogram.nc")
-    xr.testing.assert_equal(read["Data"], echogram["Data"])
-    twtt = read_layers(tmp_path / "layers.nc")["twtt"].values
+def test_layers_lie_where_light_takes_them():
+    _, layers = snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=1)
     path_m = 500 + np.cumsum([0, 1 + 0.845 * 0.34, 1.5 * (1 + 0.845 * 0.4)])
     delay_s = 2 * path_m / SPEED_OF_LIGHT_M_S
-    assert_allclose(twtt, np.tile(delay_s[:, None], 5), rtol=1e-12)
+    assert_allclose(layers["twtt"], np.tile(delay_s[:, None], 5), rtol=1e-12)
 
 
 def test_layers_are_as_bright_as_their_power_and_noise_as_deep_as_the_radar_says(rng):
@@ -166,19 +160,17 @@ def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
 
 def test_commands_write_what_the_functions_give(tmp_path):
     assert set(cli.PRESETS) == set(PRESETS)
-    asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
-    asked += ["--set", "window", "blackman"]
+    asked = f"{tmp_path}/a.nc --range-lines 4 --set height_m 400 --set window blackman"
     assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
     climate = snowsim.Climate(accumulation_m=0.3)
     radar = snowsim.Radar.preset("snow-2-8", height_m=400.0, window="blackman")
-    rng = np.random.default_rng(0)
-    echogram, layers = snowsim.simulate(climate, radar, n_range_lines=4, rng=rng)
+    echogram, layers = snowsim.simulate(climate, radar, n_range_lines=4, rng=0)
     xr.testing.assert_equal(read_dataset(tmp_path / "a.nc"), echogram)
     xr.testing.assert_equal(read_dataset(tmp_path / "a_layers.nc"), layers)
-    done = CliRunner().invoke(cli.simulate, [*asked, "--force", "--set", "colour", "1"])
+    done = CliRunner().invoke(cli.simulate, f"{asked} --force --set colour 1")
     assert done.exit_code == 2
     assert "a radar has no colour, but bandwidth_hz, " in done.output
-    done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
+    done = CliRunner().invoke(cli.scenes, f"{tmp_path}/s -n 2 --range-lines 16")
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2
 

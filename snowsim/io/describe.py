@@ -100,8 +100,7 @@ def _scenes(what, scenes):
     rows = []
     n_mute = n_cut = 0
     for scene in shown(scenes, unit="scene"):
-        sizes = {"range_bins": scene.n_range_bins, "range_lines": scene.n_range_lines}
-        rows.append(sizes | {"layers": len(scene.layer_bins)})
+        rows.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
         n_mute += scene.image is not None and not tells_db(scene)
         n_cut += scene.notes.get("n_pixels_cut", 0)
     notes = []
@@ -109,4 +108,5 @@ def _scenes(what, scenes):
         notes.append(f"{n_mute} images do not hold their decibels")
     if n_cut:
         notes.append(f"{n_cut} labelled pixels lie below the images")
-    return _said(f"{what}: {len(rows)} scenes", pd.DataFrame(rows).agg(["min", "max"]), notes)
+    sizes = pd.DataFrame(rows, columns=["range_bins", "range_lines", "layers"])
+    return _said(f"{what}: {len(rows)} scenes", sizes.agg(["min", "max"]), notes)

@@ -154,9 +154,14 @@ class PairSet(Sequence):
             except ValueError as error:
                 failed.append(str(error))
                 continue
-            sizes = {"n_range_bins": scene.n_range_bins, "n_range_lines": scene.n_range_lines}
-            told = {"n_layers": len(scene.layer_bins), "tells_db": tells_db(scene)}
-            rows.append({"name": scene.name} | sizes | told)
+            row = {
+                "name": scene.name,
+                "n_range_bins": scene.n_range_bins,
+                "n_range_lines": scene.n_range_lines,
+                "n_layers": len(scene.layer_bins),
+                "tells_db": tells_db(scene),
+            }
+            rows.append(row)
         widths = [row["n_range_lines"] for row in rows]
         usual = max(widths, key=widths.count, default=None)
         expected = f"width: expected {usual} range lines as in most"

@@ -44,8 +44,10 @@ def write_picture(path, layers, echograms=(), accumulated=None):
             [_power_db(each, surface + shown_s) for each in echograms], "slow_time"
         )
         if power_db.notnull().any():
-            limits = zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True)
-            _draw_image(panels[0], power_db, at, "power [dB]", cmap="gray", **dict(limits))
+            low_db, high_db = np.nanpercentile(power_db, SHOWN_PERCENT)
+            _draw_image(
+                panels[0], power_db, at, "power [dB]", cmap="gray", vmin=low_db, vmax=high_db
+            )
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
     panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is None:

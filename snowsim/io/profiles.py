@@ -27,7 +27,7 @@ NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
 # Of water, or of ice, equivalent: no depth in snow.
 EQUIVALENT = r"water|equiv|h2o|\b(eqv?|[cm]?m?(s?w|i) ?e(qv?)?|kg ?m ?2)\b"
 # A block of remarks in front of the header, as PANGAEA has it; a number that stands for none.
-REMARKS = re.compile(r"\s*/\*.*?\*/\s*", re.DOTALL)
+REMARKS = re.compile(r"\A\s*/\*.*?\*/\s*", re.DOTALL)
 MISSING = -9999
 # What a header says of a column, or an option in its place.
 CHOICES = {
@@ -106,10 +106,10 @@ def _table(path):
     with library_errors(path, "table: expected text with a header and columns"):
         # Spreadsheets write a raised 3 as no UTF-8.
         text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
-        text = REMARKS.sub("", text, count=1) if REMARKS.match(text) else text
+        text = REMARKS.sub("", text, count=1)
         separator = "\t" if "\t" in text.partition("\n")[0] else None
-        how = {"engine": "python", "comment": "#", "dtype": str}
-        table = pd.read_csv(io.StringIO(text), sep=separator, **how)
+        file = io.StringIO(text)
+        table = pd.read_csv(file, sep=separator, engine="python", comment="#", dtype=str)
     if table.empty or not isinstance(table.index, pd.RangeIndex):
         found = "no row" if table.empty else "more: decimal commas?"
         raise refusal(path, "rows", "as many fields as the header has", found)
@@ -123,9 +123,8 @@ def _words(name):
 
 def _named(table, pattern):
     """Columns whose names have one of the words, and none that tells another quantity."""
-    told = {name: _words(name) for name in table.columns}
-    found = [name for name, words in told.items() if re.search(pattern, words)]
-    return [name for name in found if not re.search(f"{NOT_MEANT}|{EQUIVALENT}", told[name])]
+    found = [name for name in table.columns if re.search(pattern, _words(name))]
+    return [name for name in found if not re.search(f"{NOT_MEANT}|{EQUIVALENT}", _words(name))]
 
 
 def _column(path, table, quantity, pattern, name):
@@ -172,9 +171,10 @@ def _choice(path, column, option, given, likely=None):
     if given is not None:
         check_choice(option, given, choices)
     option = option.replace("_", "-")
-    if given is not None and told and told[-1] != given:
-        raise refusal(path, column, f"--{option} {told[-1]}, as the header says", given)
-    chosen = told[-1] if told else given or likely
+    in_header = told[-1] if told else None
+    if None not in (given, in_header) and given != in_header:
+        raise refusal(path, column, f"--{option} {in_header}, as the header says", given)
+    chosen = in_header or given or likely
     if chosen is None:
         expected = f"{', '.join(choices)} in the header, or --{option}"
         raise refusal(path, column, expected, "none")

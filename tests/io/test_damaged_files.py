@@ -158,25 +158,29 @@ def with_change(write, **changed):
     return lambda path, content: write(path, content | changed)
 
 
+def without_data(content):
+    return {name: values for name, values in content.items() if name != "Data"}
+
+
 def write_bomb(path, content):
     """Data of a MAT v5 file that say they inflate to 3 GB."""
     n_bytes = 3 * 2**30
     shape = struct.pack("<II2i", 5, 8, n_bytes // 8 // 1024, 1024)
     head = struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<HH4s", 1, 4, b"Data")
     packed = zlib.compress(struct.pack("<II", 14, n_bytes) + head + bytes(2**24))
-    formats.write_mat5(path, {name: content[name] for name in content if name != "Data"})
+    formats.write_mat5(path, without_data(content))
     path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(packed)) + packed)
 
 
 def write_huge_mat73(path, content):
-    formats.write_mat73(path, {name: content[name] for name in content if name != "Data"})
+    formats.write_mat73(path, without_data(content))
     with h5py.File(path, "r+") as file:
         file.create_dataset("Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000))
 
 
 def write_code(path, content):
     """A function handle for power."""
-    formats.write_mat73(path, {name: content[name] for name in content if name != "Data"})
+    formats.write_mat73(path, without_data(content))
     with h5py.File(path, "r+") as file:
         file.create_group("Data/function_handle")
 

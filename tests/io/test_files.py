@@ -1,6 +1,5 @@
 """Files the workflow writes appear whole, come back, repeat to the byte, and say what ails them."""
 
-import dataclasses
 import errno
 
 import numpy as np
@@ -80,14 +79,10 @@ def test_a_dataset_comes_back_bit_by_bit_and_cut_short_it_is_refused(path, rng):
 
 
 def test_scenes_of_several_files_come_back_as_they_were(tmp_path, scenes):
-    scenes = [
-        dataclasses.replace(scenes[i % 3], name=f"scene_{i}", notes={"n": i}) for i in range(12)
-    ]
     paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
-    write_scenes(paths[0], scenes[:7], {"synthetic": "yes"})
-    write_scenes(paths[1], scenes[7:])
+    write_scenes(paths[0], scenes[:2], {"synthetic": "yes"})
+    write_scenes(paths[1], scenes[2:])
     with SceneSet(paths) as read:
-        assert len(read) == 12
         assert read.attributes["synthetic"] == "yes"
         for before, after in zip(scenes, read, strict=True):
             for name in ("name", "n_range_bins", "zone", "notes", "noise_floor_db", "maximum_db"):

@@ -1,6 +1,6 @@
 """How much memory it takes to fit a flight of the paper's length, in a child process, by frames.
 
-Frames are renders of drifting layers by eq. (1). Each lies on disk as long as it is being read.
+Frames are a render of drifting layers by eq. (1). Each lies on disk as long as it is being read.
 """
 
 import json
@@ -35,24 +35,23 @@ def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_pa
     report = json.loads(child.stdout)
     assert report["n_lines"] == 200_704
     assert report["n_layers"] == N_LAYERS
-    # 70 rows of air at 5 looks on 200,704 lines: known to 1e-4; the tolerance of the renders is
-    # 0.05 dB, 1.2 %.
+    # 70 rows of air at 5 looks on 1024 lines: known to 0.2 %; the tolerance of the renders is 0.05
+    # dB, 1.2 %.
     assert_allclose(report["noise_power"], NOISE_POWER, rtol=0.012)
     # Of the whole process, the libraries' 0.2 GiB included.
     assert report["peak_bytes"] < 1.5 * 2**30
 
 
 def frames(folder, n_frames):
-    """Frames of the flight as `read_frame` gives them, each from files of its own."""
+    """Frames of the flight as `read_frame` gives them, one render at times of their own."""
     row = SimpleNamespace(echogram=str(folder / "echogram.nc"), layers=str(folder / "layers.nc"))
     shapes = 0.9 ** np.arange(N_LAYERS), np.full(N_LAYERS, 12.0), np.full(N_LAYERS, 0.07)
+    rng = np.random.default_rng(20120429)
+    drift = np.cumsum(rng.normal(0, 0.05, size=N_LINES))
+    layer_bins = 100.3 + (28 + drift) * np.arange(N_LAYERS)[:, None]
+    power = mean_power(layer_bins, *shapes, N_BINS)
+    power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
     for index in range(n_frames):
-        rng = np.random.default_rng([20120429, index])
-        slab = (28 + rng.normal()) * rng.uniform(0.8, 1.2, size=(N_LAYERS - 1, 1))
-        slab = slab + np.cumsum(rng.normal(0, 0.05, size=(N_LAYERS - 1, N_LINES)), axis=1)
-        layer_bins = 100.3 + np.cumsum(np.vstack([np.zeros(N_LINES), slab]), axis=0)
-        power = mean_power(layer_bins, *shapes, N_BINS)
-        power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
         echogram, layers = made_up_frame(power, layer_bins, minute=index)
         write_dataset(row.echogram, echogram)
         write_dataset(row.layers, layers)

@@ -34,28 +34,22 @@ def written(folder, name=FRAME, **settings):
     return path, folder / "CSARP_layer" / name, *made
 
 
-def gps_seconds(echogram):
-    since = echogram["slow_time"].values - np.datetime64("1970-01-01", "ns")
-    # Doubles of this age lie 1.2e-7 s apart.
-    return since / np.timedelta64(1, "s") + LEAP_SECONDS
-
-
 def test_a_simulated_l1b_file_holds_every_value_under_its_name_and_is_read_back(tmp_path):
     path, path_to_layers, echogram, layers = written(tmp_path)
     stored = scipy.io.loadmat(path, simplify_cells=True)
-    assert_array_equal(stored["Data"], echogram["Data"].transpose("twtt", "slow_time"))
-    assert_array_equal(stored["Time"], echogram["twtt"])
     for name in ("Latitude", "Longitude", "Elevation", "Surface", "Roll", "Pitch", "Heading"):
         assert_array_equal(stored[name], echogram[name])
-    np.testing.assert_allclose(stored["GPS_time"], gps_seconds(echogram), rtol=0, atol=2.4e-7)
+    since = echogram["slow_time"].values - np.datetime64("1970-01-01", "ns")
+    # Doubles of this age lie 1.2e-7 s apart.
+    gps_s = since / np.timedelta64(1, "s") + LEAP_SECONDS
+    np.testing.assert_allclose(stored["GPS_time"], gps_s, rtol=0, atol=2.4e-7)
     assert stored["param_records"]["day_seg"] == "20120330_04"
     picks = scipy.io.loadmat(path_to_layers, simplify_cells=True)
-    assert_array_equal(picks["twtt"], layers["twtt"])
     assert_array_equal(picks["gps_time"], stored["GPS_time"])
     assert_array_equal(picks["lat"], echogram["Latitude"])
     read = read_echogram(path)
     assert_array_equal(read["Data"].values, echogram["Data"].values)
-    assert np.abs(read["slow_time"].values - echogram["slow_time"].values).max() < 240
+    assert_array_equal(read["twtt"], echogram["twtt"])
     found = read_layers(path_to_layers)
     assert_array_equal(found["twtt"], layers["twtt"])
     assert found["layer"].values.tolist() == ["surface", *(f"snow_{i}" for i in range(1, 21))]
