@@ -109,12 +109,15 @@ def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     content = formats.truth(rng, n_bins=400, n_lines=520)
     layers = formats.layer_content([content["Surface"]], [9], content["GPS_time"])
     formats.write_mat5(flight / LAYERS, layers)
-    # One has rows above the surface for blocks, one begins 30 rows above it, one is narrower than a
-    # block.
+    # One has rows above the surface for blocks, but both are flagged; one begins 30 rows above it;
+    # one is narrower than a block.
     formats.write_nsidc(flight / "a.nc", formats.truth(rng, n_bins=400, n_lines=520, n_above=40))
     formats.write_mat5(flight / "b.mat", content)
     table = read_frames(flight / "frames.tsv").assign(role=["train", "train", "test"])
-    two, three = failures(lambda: check_frames(table, blocks=True), 2, 3)
+    flags = (np.arange(520) == 252).astype(np.uint8)
+    formats.write_supplement(flight / "a_supplement.nc", no_good_data=flags)
+    one, two, three = failures(lambda: check_frames(table, blocks=True), 3, 3)
+    assert "found none in 520 range lines (one_000: 1 of 256 range lines flagged" in one
     assert "at least one that is a scene, found none in 520 range lines (two_000: rows -" in two
     assert "found none in 40 range lines" in three
 

@@ -70,9 +70,6 @@ def test_frames_flagged_throughout_are_refused_by_name_all_in_one_go(flight, tab
     ]
 
 
-def test_a_frame_left_without_a_scene_is_named_with_the_reason(flight, table, rows):
-    supplement(flight, 1, no_good_data=by_line(252))
-    with pytest.raises(ValueError, match="train: .* found none .*_000: 1 of 256 range lines fl"):
-        check_frames(table, blocks=True)
+def test_an_unknown_flag_is_refused(rows):
     with refusal("flagged_by must be one of .*, got 'zero_padding'"):
         read_frame(rows[0], flagged_by=["zero_padding"])
