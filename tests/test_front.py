@@ -68,6 +68,7 @@ def test_a_scene_is_the_same_in_any_order_number_and_process(drawn):
     for number in (5, 2):
         assert_array_equal(drawn[number], more[number])
     assert (drawn[0][0] != drawn[1][0]).any()
+    assert_array_equal(drawn[4:1:-2][1][0], drawn[2][0])
     assert len(list(drawn)) == 6
 
 
@@ -77,12 +78,12 @@ def test_a_loader_of_torch_takes_scenes_as_they_are(drawn):
     assert set(masks.unique().tolist()) == {0, 1}
 
 
-def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
-    some = snowsim.scenes(2, rng=2, n_range_lines=32)
+def test_scenes_are_written_in_every_format_and_written_over(tmp_path, drawn):
+    some = drawn[4:1:-2]
     for form in ("pairs", "netcdf", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
     assert some.write(tmp_path / "zarr", "zarr", force=True)["n_scenes"] == 2
-    assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[1][0])
+    assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[0][0])
 
 
 @pytest.mark.parametrize(
@@ -195,12 +196,9 @@ def test_hills_and_low_radars_keep_the_surface_within_the_window():
     low = snowsim.Radar.preset("accumulation", height_m=15.0)
     for radar in (snowsim.Radar.preset("snow-2-8"), low):
         echogram, layers = snowsim.simulate(snow, radar, rng=1)
-        first_s = echogram["twtt"].values[0]
-        assert first_s >= 0
-        assert (layers["twtt"].values >= first_s).all()
+        assert 0 <= echogram["twtt"].values[0] <= layers["twtt"].values.min()
         way_s = 2 * (radar.height_m + hills) / SPEED_OF_LIGHT_M_S
-        assert_allclose(layers["twtt"].values[0], way_s, rtol=1e-12)
-        assert_allclose(echogram["Surface"], way_s, rtol=1e-12)
+        assert_allclose([layers["twtt"][0], echogram["Surface"]], [way_s, way_s], rtol=1e-12)
 
 
 def test_snow_does_not_change_with_the_arrays_it_was_made_of():
@@ -214,19 +212,12 @@ def test_long_echograms_are_simulated_a_part_at_a_time(monkeypatch):
     monkeypatch.setattr("snowsim.snowpack.simulation.LINES_AT_ONCE", 8)
     snow = snowsim.Snowpack(**SNOW)
     long, layers = snowsim.simulate(snow, "ku-12-18", n_range_lines=20, rng=1)
-    assert long["Data"].shape[1] == layers.sizes["slow_time"] == 20
     first, _ = snowsim.simulate(snow, "ku-12-18", n_range_lines=8, rng=1)
-    assert_array_equal(long["Data"][:, :8], first["Data"])
+    power = long["Data"].values
+    assert power.shape[1] == layers.sizes["slow_time"] == 20
+    assert_array_equal(power[:, :8], first["Data"])
     # Speckle of parts is not repeated.
-    assert (long["Data"].values[:, 8:16] != first["Data"].values).mean() > 0.99
-
-
-def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
-    part = drawn[4:1:-2]
-    assert len(part) == 2
-    assert_array_equal(part[1][0], drawn[2][0])
-    part.write(tmp_path / "part")
-    assert len(list((tmp_path / "part").rglob("*000004*"))) > 0
+    assert (power[:, 8:16] != power[:, :8]).mean() > 0.99
 
 
 def test_what_people_print_is_one_readable_line(drawn):
@@ -277,16 +268,12 @@ def test_what_takes_seconds_shows_a_bar_on_a_terminal(monkeypatch, tmp_path, cap
 
 
 def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
-    whole = snowsim.scenes(4, rng=1, n_range_lines=64)
     low = snowsim.scenes(4, rng=1, n_range_lines=64, n_range_bins=64)
     with pytest.warns(UserWarning, match="n_range_bins=64 cuts") as warned:
         scenes = [low.scene(i) for i in range(4)]
     assert len(warned) == 1
-    for index, scene in enumerate(scenes):
-        drawn = whole.scene(index)
-        n_drawn = drawn.layer_bins.size
-        assert_array_equal(drawn.complete_layer_bins, drawn.layer_bins)
-        assert drawn.mask().sum() == n_drawn
+    for scene in scenes:
+        n_drawn = scene.complete_layer_bins.size
         assert scene.notes["n_pixels_drawn"] == n_drawn
         # No two layers share a pixel, so the mask holds what is not cut.
         assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()

@@ -1,10 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lib.placeholder_frames import frame_of_scene
 from snowsim.echogram import (
-    Scene,
     along_track_m,
     bin_size_s,
     from_uint8,
@@ -72,18 +73,17 @@ def test_blocks_that_the_window_cuts_short_are_skipped(rng):
 def test_a_scene_becomes_the_frame_it_was_cut_from(rng):
     echogram, layers = make_level_frame(rng)
     scene = cut_blocks(echogram, layers, name="f")[0][0]
-    back, back_layers = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
+    options = {"bin_s": BIN_S, "line_spacing_m": 5.47}
+    back, back_layers = frame_of_scene(scene, **options)
     assert_allclose(bin_size_s(back), BIN_S, rtol=1e-12)
     assert_allclose(np.diff(along_track_m(back)), 5.47, rtol=1e-6)
     assert_allclose(layer_bins_of(back_layers, back), scene.layer_bins, atol=1e-6)
     power_db = from_uint8(scene.image, scene.noise_floor_db, scene.maximum_db)
     assert_allclose(10 * np.log10(back["Data"]), power_db, atol=1e-4)  # float32 power
-
-
-def test_an_image_without_decibels_needs_a_contrast(rng):
-    image = rng.integers(0, 256, (300, 256), dtype=np.uint8)
-    scene = Scene("f", 300, np.full((1, 256), 50.0), image=image)
-    options = {"bin_s": BIN_S, "line_spacing_m": 5.47}
-    power = frame_of_scene(scene, **options, contrast_db=30)[0]["Data"].values
-    # 255 stands for 30 dB above the floor, 0 for 10 dB below it.
-    assert_allclose(10 * np.log10(power.max() / power.min()), 40, rtol=1e-5)
+    # Where the image does not tell decibels, 255 stands for 30 dB above the floor, 0 for 10 dB
+    # below it.
+    mute = replace(scene, noise_floor_db=np.nan, maximum_db=np.nan)
+    power = frame_of_scene(mute, **options, contrast_db=30)[0]["Data"].values
+    assert_allclose(
+        10 * np.log10(power.max() / power.min()), 40 / 255 * np.ptp(scene.image), rtol=1e-5
+    )

@@ -8,25 +8,19 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import check_echogram, check_layers, layer_bins_of
 from snowsim.frames import align_layers, flatten, resample_range
 
+SWELL = 60 + 10 * np.sin(np.arange(60) / 9)
 
-def make_frame(rng, n_bins=200, n_lines=60, surface_bins=None, elevation_m=2500.0):
+
+def make_frame(rng, n_lines=60, surface_bins=SWELL, elevation_m=2500.0):
     """An echogram with two bright layers, and the layers, on the same lines."""
-    lines = np.arange(n_lines)
-    surface_bins = (
-        60 + 10 * np.sin(lines / 9)
-        if surface_bins is None
-        else np.broadcast_to(surface_bins, n_lines)
-    )
-    bins = np.vstack([surface_bins, surface_bins + 40.0])
-    power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
+    bins = np.array([surface_bins, surface_bins + 40])[:, :n_lines]
+    power = rng.gamma(4, 0.25e-3, size=(200, n_lines)).astype(np.float32)
     for row in bins:
-        power[np.rint(row).astype(int), lines] = 1.0
+        power[np.rint(row).astype(int), np.arange(n_lines)] = 1.0
     echogram, layers = made_up_frame(power, bins)
     echogram["Elevation"][:] = elevation_m
-    layers = layers.assign(Elevation=echogram["Elevation"].copy()).assign_coords(
-        layer=["surface", "Koenig_2"]
-    )
-    return echogram, layers
+    layers = layers.assign(Elevation=echogram["Elevation"].copy())
+    return echogram, layers.assign_coords(layer=["surface", "Koenig_2"])
 
 
 def test_gaps_and_holes_stay_and_on_its_own_lines_nothing_changes(rng):
@@ -82,7 +76,7 @@ WINDOW = "a.mat: twtt: expected layers within the echogram's window"
     ],
 )
 def test_layers_must_cover_the_echogram_and_lie_within_it(rng, lines, shift_bins, message):
-    echogram, layers = make_frame(rng, surface_bins=60.0)
+    echogram, layers = make_frame(rng, surface_bins=np.full(60, 60.0))
     layers["twtt"] = layers["twtt"] + shift_bins * BIN_S
     with refusal(message):
         align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
@@ -97,13 +91,13 @@ def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_lay
     assert np.unique(rows).size == 1
     # Whole bins: what is left of the surface lies within half a bin of that row.
     assert_allclose(layer_bins_of(moved, level)[0], rows[0], atol=0.5 + 1e-6)
-    for line in range(60):
-        before, after = echogram["Data"].values[:, line], level["Data"].values[:, line]
-        assert_array_equal(after[np.isfinite(after)], before)
-        # The first finite bin is the one that was first, later by the shift of the layers.
-        first_s = level["twtt"].values[np.flatnonzero(np.isfinite(after))[0]]
-        shift_s = moved["twtt"].values[1, line] - layers["twtt"].values[1, line]
-        assert_allclose(first_s - echogram["twtt"].values[0], shift_s, atol=1e-20)
+    before, after = echogram["Data"].values.T, level["Data"].values.T
+    kept = np.isfinite(after)
+    assert_array_equal(after[kept].reshape(before.shape), before)
+    # The first finite bin is the one that was first, later by the shift of the layers.
+    first_s = level["twtt"].values[kept.argmax(axis=1)]
+    shift_s = (moved["twtt"] - layers["twtt"]).values[1]
+    assert_allclose(first_s - echogram["twtt"].values[0], shift_s, atol=1e-20)
     # Every reflector keeps its height: z - c t / 2.
     height = level["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * level["Surface"]
     assert_allclose(
@@ -153,11 +147,10 @@ def test_larger_bins_equal_the_slow_area_average(rng, ratio):
     echogram, _ = make_frame(rng, n_lines=3)
     power = echogram["Data"].values.astype(float)
     found = resample_range(echogram, ratio * BIN_S)["Data"].values
+    bins = np.arange(200)
     for row in (0, 1, 7, 30):
-        low = max(ratio * row - ratio / 2 + 0.5, 0)
-        high = ratio * row + ratio / 2 + 0.5
-        bins = np.arange(200)
-        shares = np.clip(np.minimum(bins + 1, high) - np.maximum(bins, low), 0, None)
+        low, high = ratio * row + 0.5 + np.array([-ratio / 2, ratio / 2])
+        shares = np.clip(np.minimum(bins + 1, high) - np.maximum(bins, max(low, 0)), 0, None)
         assert_allclose(found[row], shares @ power / shares.sum(), rtol=1e-6)
 
 

@@ -170,12 +170,9 @@ def _put73(file, group, name, value):
             _put73(file, node, key, item)
         return
     array = np.asarray(value)
-    matlab_class = {"float64": "double", "float32": "single"}.get(str(array.dtype), "uint8")
     if isinstance(value, str):
-        matlab_class = "char"
         stored = np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None]
     elif array.dtype.kind in "OU":
-        matlab_class = "cell"
         cells = file.require_group("#refs#")
         stored = np.empty((array.size, 1), dtype=h5py.ref_dtype)
         for row, item in enumerate(array.flat):
@@ -185,7 +182,8 @@ def _put73(file, group, name, value):
     else:
         stored = np.atleast_2d(array).T if array.size else np.array(array.shape, dtype="u8")
     node = group.create_dataset(name, data=stored)
-    node.attrs["MATLAB_class"] = np.bytes_(matlab_class)
+    if isinstance(value, str):
+        node.attrs["MATLAB_class"] = np.bytes_("char")
     if array.size == 0:
         node.attrs["MATLAB_empty"] = np.uint8(1)
 
