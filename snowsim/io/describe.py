@@ -10,7 +10,7 @@ from snowsim.echogram import bin_size_s, why_no_power
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
-from snowsim.io.layers import surface_among
+from snowsim.io.layers import begins_with_surface
 from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, read_image, tells_db
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
@@ -85,13 +85,11 @@ def _echogram(what, echogram, stored):
 
 
 def _layers(what, layers):
-    index = layers.get_index("layer")
-    labels = list(map(str, index))
+    labels = layers.get_index("layer").astype(str)
     picked = np.isfinite(layers["twtt"].values).mean(axis=1)
     shares = [f"{label}: {share:.1%} picked" for label, share in zip(labels, picked, strict=True)]
     notes = [one_line("; ".join(shares))]
-    # Layers without names, but numbers, begin with the surface.
-    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
+    if not begins_with_surface(layers):
         notes.append("none is named surface (by the organizer file beside it)")
     return _said(what, layers, notes)
 

@@ -186,7 +186,7 @@ def find_supplement(path):
     path = Path(path)
     base, variant = re.fullmatch(r"(.*?\d{8}_\d{2}_\d{3}|.*?)(.*)", path.stem).groups()
     stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
-    files = (path.with_name(f"{stem}.nc") for stem in stems if base or stem == stems[0])
+    files = (path.with_name(f"{stem}.nc") for stem in stems)
     return next((file for file in files if file.is_file()), None)
 
 

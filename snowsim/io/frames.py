@@ -14,7 +14,7 @@ from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
-from snowsim.io.layers import surface_among
+from snowsim.io.layers import begins_with_surface
 from snowsim.io.times import leap_seconds
 from snowsim.progress import shown
 
@@ -200,10 +200,9 @@ def read_frame(
 def _layers_from_surface(path, layer_names):
     """Layers of a file from the surface down: all that it has, or those named, NaN where absent."""
     layers = read_layers(path, names=layer_names, missing="skip")
-    index = layers.get_index("layer")
-    labels = [str(label) for label in index]
-    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
+    if not begins_with_surface(layers):
         expected = "one named surface (from the organizer file beside it)"
+        labels = layers["layer"].values.astype(str)
         raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
     if layer_names is not None:
         absent = {"twtt": np.nan, "quality": 1, "type": 2}

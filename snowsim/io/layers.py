@@ -119,17 +119,17 @@ def _without_placeholders(dataset, where):
     It stands for the first range bin, where nobody picked.
     """
     surface_s = dataset["twtt"][0].values
-    first_s = np.min(surface_s, where=np.isfinite(surface_s), initial=np.inf)
-    is_first = surface_s == first_s
-    next_s = np.min(surface_s, where=surface_s > first_s, initial=np.inf)
-    if is_first.sum() < 2 or not FAR_S < next_s - first_s < np.inf:
+    times_s = np.unique(surface_s[np.isfinite(surface_s)])
+    is_first = np.isin(surface_s, times_s[:1])
+    gap_s = np.diff(times_s)[:1]
+    if is_first.sum() < 2 or not (gap_s > FAR_S).any():
         return dataset
-    msg = f"{where}: twtt: {is_first.sum()} range lines have their surface at {first_s:.6g} s, "
-    msg += f"{next_s - first_s:.2g} s above all others: taken for lines that nobody picked"
+    msg = f"{where}: twtt: {is_first.sum()} range lines have their surface at {times_s[0]:.6g} s, "
+    msg += f"{gap_s[0]:.2g} s above all others: taken for lines that nobody picked"
     warnings.warn(msg, UserWarning, stacklevel=4)
-    is_uppermost = np.arange(dataset.sizes["layer"])[:, None] == 0
-    picked = xr.DataArray(~(is_uppermost & is_first), dims=AXES)
-    return dataset.assign(twtt=dataset["twtt"].where(picked))
+    twtt = dataset["twtt"].copy()
+    twtt[0, is_first] = np.nan
+    return dataset.assign(twtt=twtt)
 
 
 def order_from_surface(twtt, names):
@@ -156,6 +156,12 @@ def order_from_surface(twtt, names):
         order.append((free or left)[0])
         left.remove(order[-1])
     return np.array(order)
+
+
+def begins_with_surface(layers):
+    """Whether the first layer is named the surface, or layers are numbered, the first being it."""
+    index = layers.get_index("layer")
+    return index.dtype.kind not in "OUS" or surface_among(index.astype(str)) == 0
 
 
 def surface_among(names):

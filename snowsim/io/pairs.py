@@ -235,7 +235,7 @@ def layers_of_labels(drawn, where="labels"):
         found += f"column in the median, {n_apart} times apart: regions, or scaled to be seen?"
         raise refusal(where, "layer numbers", expected, found)
     middles = ((runs["min"] + runs["max"]) / 2).unstack("line")
-    return middles.reindex(range(1, n_layers + 1)).reindex(columns=range(drawn.shape[1])).to_numpy()
+    return middles.reindex(index=range(1, n_layers + 1), columns=range(drawn.shape[1])).to_numpy()
 
 
 def labels_beside(path):

@@ -65,7 +65,7 @@ def _by_name(folder, order, endings):
 
     Two of the same stem are refused.
     """
-    held = [path for path in sorted(folder.glob("[!.]*")) if path.suffix in endings]
+    held = sorted(path for path in folder.glob("[!.]*") if path.suffix in endings)
     held = [path for path in held if not NO_LAYERS.fullmatch(path.name)]
     paths = {path.stem: path for path in held}
     twice = [path.name for path in held if paths[path.stem] != path]
@@ -198,8 +198,8 @@ def read_array(path, names=(), least_rows=1, stored=None):
         name = found[0]
         down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
         values = stored[name].transpose(*down, ...).values
-    alone = [axis for axis, length in enumerate(values.shape) if length == 1]
-    values = np.squeeze(values, tuple(alone[: max(values.ndim - 2, 0)]))
+    while values.ndim > 2 and 1 in values.shape:
+        values = values.squeeze(values.shape.index(1))
     is_array = values.ndim == 2 and len(values) >= least_rows and values.shape[1] > 0
     if not is_array or values.dtype.kind not in "fiub":
         found = f"shape {values.shape} of {values.dtype}"
