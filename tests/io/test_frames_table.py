@@ -37,8 +37,7 @@ def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_i
             assert np.ptp(bins[0]) < 1 - 1 / factor + 1e-6
             assert_allclose(bins[1] - bins[0], 40 / factor, atol=1e-6)
     checked = check_frames(table)
-    assert checked["n_range_lines"].tolist() == [formats.N_LINES] * 3
-    assert checked["n_layers"].tolist() == [2] * 3
+    assert (checked[["n_range_lines", "n_layers"]] == [formats.N_LINES, 2]).all(axis=None)
     assert_allclose(checked["bin_size_s"], formats.BIN_S, rtol=1e-9)
 
 
@@ -133,22 +132,18 @@ def test_a_surface_far_from_the_echograms_or_without_a_name_is_told_of(flight, r
 
 
 @pytest.mark.parametrize("n_lines", [formats.N_LINES, 700], ids=["short", "long"])
-def test_layers_of_gps_time_are_named_as_such_where_they_fit_or_reach_over(
-    flight, rows, rng, n_lines
-):
+@pytest.mark.parametrize("reach", [0, 1], ids=["fit", "reach over"])
+def test_layers_of_gps_time_are_named_as_such(flight, rows, rng, n_lines, reach):
     # Lines of .0537 s: no whole number of them is 15 s.
-    content = formats.truth(rng, n_lines=n_lines)
-    content["GPS_time"] = formats.GPS_START + 0.0537 * np.arange(n_lines)
+    own_s = formats.GPS_START + 0.0537 * np.arange(n_lines)
+    content = formats.truth(rng, n_lines=n_lines) | {"GPS_time": own_s}
     formats.write_mat5(flight / "b.mat", content)
-    longer = formats.truth(rng, n_lines=3 * n_lines)
-    times = formats.GPS_START + 0.0537 * np.arange(-n_lines, 2 * n_lines)
-    for late_s, order in ((15, "later"), (-15, "earlier")):
-        for gps_time, surface in ((content["GPS_time"], content), (times, longer)):
-            gps_time = gps_time + late_s
-            stored = formats.layer_content([surface["Surface"]], [9], gps_time)
-            formats.write_mat5(flight / LAYERS, stored)
+    gps_time = own_s[0] + 0.0537 * np.arange(-reach * n_lines, (1 + reach) * n_lines)
+    surface = formats.truth(rng, n_lines=gps_time.size)["Surface"]
+    for late_s, order in ((15, "later"), (-15, "earlier"), (0, None)):
+        stored = formats.layer_content([surface], [9], gps_time + late_s)
+        formats.write_mat5(flight / LAYERS, stored)
+        if order is not None:
             with refusal(f"found times 15 s {order} than its own: is one of both GPS time"):
                 read_frame(rows[1])
-    stored = formats.layer_content([longer["Surface"]], [9], times)
-    formats.write_mat5(flight / LAYERS, stored)
     assert read_frame(rows[1])[1].sizes["slow_time"] == n_lines

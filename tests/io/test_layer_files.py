@@ -104,19 +104,16 @@ def test_an_organizer_does_not_rename_layers_of_other_frames(tmp_path, layers):
 
 def test_a_layer_keeps_its_number_in_every_frame_of_a_segment(tmp_path, layers):
     second = layers.copy(deep=True)
-    second["twtt"][1] = np.nan
-    second["twtt"][2] = second["twtt"][0] + 3e-8
+    second["twtt"][1:3] = [second["twtt"][0] * np.nan, second["twtt"][0] + 3e-8]
     one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: second})
-    assert_array_equal(read_layers(one)["layer"], ["surface", "snow_1", "snow_3"])
-    assert_array_equal(read_layers(two)["layer"], ["surface", "snow_2", "snow_3"])
-    # xopr refuses to join frames whose ids differ.
-    for path in (one, two):
+    for path, names in ((one, ["snow_1", "snow_3"]), (two, ["snow_2", "snow_3"])):
+        assert_array_equal(read_layers(path)["layer"], ["surface", *names])
+        # xopr refuses to join frames whose ids differ.
         assert_array_equal(scipy.io.loadmat(path)["id"], [[1, 2, 3, 4]])
     names = ["surface", "snow_1", "snow_2", "snow_3"]
-    named = {1: layers.assign_coords(layer=names), 2: second.assign_coords(layer=names)}
-    named[2] = named[2].isel(layer=[0, 2, 3])
+    named = second.assign_coords(layer=names).isel(layer=[0, 2, 3])
     before = two.read_bytes()
-    write_layer_files(tmp_path, SEGMENT, named, force=True)
+    write_layer_files(tmp_path, SEGMENT, {1: layers, 2: named}, force=True)
     assert two.read_bytes() == before
 
 

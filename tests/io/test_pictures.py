@@ -1,12 +1,9 @@
 """Pictures of layers: what they leave blank, and names that stay apart."""
 
-from contextlib import nullcontext
-
 import formats
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -53,17 +50,15 @@ def test_layers_without_a_pick_are_no_obstacle(tmp_path, frame, rows):
 
 def test_names_of_layers_that_end_together_do_not_overlap(tmp_path, content, frame, monkeypatch):
     drawn = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
-    n_layers = 12
+    save = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda *a, **k: drawn.append(a[0]) or save(*a, **k))
     surface = content["Surface"]
-    twtt = [surface, *(surface + 2e-8 + 1e-10 * n for n in range(n_layers - 1))]
-    names = ["surface", *(f"snow_{n}" for n in range(1, n_layers))]
+    twtt = [surface, *(surface + 2e-8 + 1e-10 * n for n in range(11))]
+    names = ["surface", *(f"snow_{n}" for n in range(1, 12))]
     layers = formats.opr_layers(twtt, content["GPS_time"], names)
-    layers = layers.assign(frame[0][["Latitude", "Longitude", "Elevation"]])
-    monkeypatch.setattr("snowsim.io.pictures.written_whole", nullcontext)
-    write_picture(tmp_path / "picture.png", layers)
-    FigureCanvasAgg(*drawn).draw()
+    positions = frame[0][["Latitude", "Longitude", "Elevation"]]
+    write_picture(tmp_path / "picture.png", layers.assign(positions))
     boxes = [text.get_window_extent() for text in drawn[0].axes[0].texts]
-    assert len(boxes) == n_layers
+    assert len(boxes) == 12
     for below, box in enumerate(boxes, start=1):
         assert box.count_overlaps(boxes[below:]) == 0
