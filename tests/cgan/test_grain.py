@@ -33,7 +33,7 @@ def drawn(grain, is_snow, *, rng):
         return grain(grain.draw(is_snow[:, 0].numpy(), rng=rng))
 
 
-def test_covariance_and_third_moment_are_what_the_weights_say(grain, rng):
+def test_covariance_in_snow_and_air_and_third_moment_are_what_the_weights_say(grain, rng):
     is_snow = held(n_air=50)
     images = torch.cat([drawn(grain, is_snow, rng=rng) for _ in range(60)])
     is_snow = is_snow.expand(images.shape)
@@ -46,17 +46,14 @@ def test_covariance_and_third_moment_are_what_the_weights_say(grain, rng):
     skewness = float(third_moment(images, is_snow)) / spread
     assert_allclose(skewness, float(grain.third_moment().detach()) / spread, atol=0.024)
     assert abs(skewness) > 0.024
-
-
-def test_air_has_no_texture_of_snow(grain, rng):
-    air = held(n_air=SIZE[0])
-    grain.gain.data.zero_()
-    images = torch.cat([drawn(grain, air, rng=rng) for _ in range(20)])
+    # Air has no texture: 540,000 pixels, one in five independent, 0.5 percent; allow four. Filters
+    # reach two rows up from snow and down from the edge.
+    in_air = torch.zeros_like(is_snow)
+    in_air[:, :, 2:48] = True
     grain.size.data.zero_()
     expected = grain.covariance(LAGS[:5], DISTANCES).detach()
-    found = change_covariance(images, ~air.expand(images.shape), LAGS[:5], DISTANCES)
-    # 800,000 pixels, one in five independent: 0.4 percent; allow four.
-    assert_allclose(found, expected, atol=0.016 * float(expected.max()))
+    found = change_covariance(images, in_air, LAGS[:5], DISTANCES)
+    assert_allclose(found, expected, atol=0.02 * float(expected.max()))
 
 
 def test_covariance_of_changes_does_not_see_level_layers(rng):
