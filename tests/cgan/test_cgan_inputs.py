@@ -29,7 +29,7 @@ def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
     assert np.sqrt(np.mean(error[..., 6] ** 2)) < 0.02
 
 
-def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_there(rng):
+def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_there():
     scene = toy_scene(1)
     gap = scene.layer_bins.copy()
     gap[1, 20:30] = np.nan

@@ -10,15 +10,10 @@ SETTINGS = PickSettings(picker_db=1.6, wrong_share=0)
 
 def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     """Mean power of layers with exponential tails over noise of 1, and where they are."""
-    rows = np.arange(260)[:, None]
-    first_bins = np.array([50.0, 85, 120, 160])[: len(peaks_db), None]
-    layer_bins = first_bins + slope * np.arange(n_lines)
-    power = np.ones((260, n_lines))
-    for layer, peak_db in zip(layer_bins, peaks_db, strict=True):
-        below = rows - layer
-        fall_bins = np.where(below >= 0, 10, 1.5)
-        power += 10 ** (peak_db / 10) * np.exp(-np.abs(below) / fall_bins)
-    return power, layer_bins
+    layer_bins = np.array([[50.0], [85], [120], [160]]) + slope * np.arange(n_lines)
+    below = np.arange(260)[:, None] - layer_bins[:, None]
+    echoes = np.exp(-np.abs(below) / np.where(below >= 0, 10, 1.5))
+    return 1 + np.tensordot(10 ** (np.array(peaks_db) / 10), echoes, 1), layer_bins
 
 
 def speckled_picks(power, layer_bins, rng, settings=SETTINGS):

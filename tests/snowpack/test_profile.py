@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from refusals import refusal
-from snowpacks import depth_to_delay
 
 import snowsim
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
@@ -47,6 +46,13 @@ def transfer_matrix_power(snow, radar, delay_s):
     weight = np.sin(np.pi * place) ** 2
     turn_back = np.exp(-2j * np.pi * np.outer(frequency_hz, delay_s))
     return np.abs((back * weight / weight.sum()) @ turn_back) ** 2
+
+
+def depth_to_delay(snow, depth_m):
+    """Two-way travel time from the surface [s], by a sum of its own."""
+    index = 1 + KOVACS_M3_KG * snow.density_kg_m3[:-1, 0]
+    optical_m = np.append(0, np.cumsum(index * np.diff(snow.depth_m[:, 0])))
+    return np.interp(depth_m, snow.depth_m[:, 0], 2 * optical_m / SPEED_OF_LIGHT_M_S)
 
 
 def simulated(snow, band):

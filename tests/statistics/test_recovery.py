@@ -38,13 +38,9 @@ def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
 def test_eq_2_is_read_off_a_line_as_printed():
     # Straight in dB from a peak of 1 at the surface down to the minimum 20 bins below, then up to
     # the next layer.
-    line = np.full(200, 1e-3)
-    line[50:71] = np.exp(-0.1 * np.arange(21))
-    line[71:80] = np.linspace(line[70], 0.5, 10)[1:]
-    fall = 0.5 * np.exp(-0.05 * np.arange(120))
-    line[80:] = np.maximum(fall, 1e-3)
+    logarithm = np.interp(np.arange(200), [49, 50, 70, 79, 199], [-7, 0, -2, -0.7, -6.7])
     layer_bins = np.repeat([[50.0], [79.0]], 256, axis=1)
-    frame = made_up_frame(np.repeat(line[:, None], 256, axis=1), layer_bins)
+    frame = made_up_frame(np.repeat(np.exp(logarithm)[:, None], 256, axis=1), layer_bins)
     fitted = statistics.fit([frame], estimator="paper")
     assert_allclose(fitted["decay_rate"].values[0], 0.1, rtol=2**-16)  # as statistics are rounded
     # 1/e is reached after 10 bins; between bins the exponential is taken as straight, off by less

@@ -4,7 +4,7 @@ from numpy.testing import assert_array_equal
 from refusals import refusal
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
-from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 from skimage.morphology import thin as thin_of_skimage
 
 from snowsim.metrics.edges import match_counts
@@ -15,10 +15,8 @@ def largest_matching(predicted, true, max_dist):
     a, b = np.argwhere(predicted), np.argwhere(true)
     if len(a) == 0 or len(b) == 0:
         return 0
-    reach = cKDTree(a).query_ball_tree(cKDTree(b), max_dist * np.hypot(*true.shape))
-    ends = np.cumsum([0] + [len(near) for near in reach])
-    graph = csr_matrix((np.ones(ends[-1]), np.concatenate(reach), ends), shape=(len(a), len(b)))
-    return int((maximum_bipartite_matching(graph, perm_type="column") >= 0).sum())
+    near = csr_matrix(cdist(a, b) <= max_dist * np.hypot(*true.shape))
+    return (maximum_bipartite_matching(near, perm_type="column") >= 0).sum()
 
 
 def draw_map(rng, shape):
