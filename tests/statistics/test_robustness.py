@@ -69,6 +69,7 @@ def test_range_lines_of_zeros_are_missing_lines(flight):
     expected = statistics.summarise(*with_gaps((missing, layers), [(slice(None), 40, 60)]))
     assert found["n_outside"] == 20 * 5
     xr.testing.assert_equal(found.drop_vars("n_outside"), expected.drop_vars("n_outside"))
+    fit_finite([(zeros, layers), *flight[1:]])  # a group of lines without a layer
 
 
 def test_gaps_are_no_zeros(flight, whole, estimator):
