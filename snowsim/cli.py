@@ -112,12 +112,15 @@ def scene_set(source):
 
     if source.is_dir() and not is_zarr(source):
         return PairSet(source)
-    kind = format_of(opened(source))
-    if kind in ECHOGRAMS:
+    try:
+        return SceneSet(source)
+    except ValueError as error:
+        kind = format_of(opened(source))
+        if kind not in ECHOGRAMS:
+            raise
         msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
         msg += "where there are none, snowsim track picks them"
-        raise click.UsageError(msg)
-    return SceneSet(source)
+        raise click.UsageError(msg) from error
 
 
 @commands.command(short_help="What a file is, what it holds, and what to watch for.")

@@ -165,10 +165,11 @@ def score_folders(
             max_distance_bins=max_distance_bins,
             within_bins=within_bins,
         )
-    without_layers = [name for (name, _, _), row in zip(pairs, rows, strict=True) if _empty(row)]
+    names = [name for name, _, _ in pairs]
+    n_layers = [row["n_layers"].sum() for row in rows]
+    without_layers = [name for name, n in zip(names, n_layers, strict=True) if n == 0]
     if len(without_layers) == len(pairs):
         raise refusal(truth, "truth", "at least one layer", "none")
-    names = [name for name, _, _ in pairs]
     rng = np.random.default_rng(seed)
     table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(truths, left_out, matched_only, without_layers, len(pairs))
@@ -186,10 +187,6 @@ def _check_settings(thresholds, numbers):
             check_count(name, value, WHOLE[name])
         elif value is not None or name not in OPTIONAL:
             check_values(name, value, 0, above=name in ABOVE_0, number=True)
-
-
-def _empty(rows):
-    return rows["n_layers"].sum() == 0
 
 
 def _notes_of_pairs(truths, left_out, matched_only, without_layers, n_scored):

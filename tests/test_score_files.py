@@ -44,17 +44,15 @@ def of_files(tmp_path, made, true, **options):
 @pytest.fixture
 def folders(tmp_path):
     """Predictions as the published predictor leaves them, truth as the published benchmark does."""
+    made, true = tmp_path / "made", tmp_path / "true"
     for number in range(3):
+        name = f"20120429_01_{number:03d}.png"
         for output, offset in (("fuse", 1), ("side_1", 4), ("merge", 0)):
-            write_image(
-                tmp_path / f"made/{output}/data_20120429_01_{number:03d}.png", edge_map(offset)
-            )
-        write_image(tmp_path / f"true/layer_binary_20120429_01_{number:03d}.png", MASK)
-        write_image(tmp_path / f"true/data_20120429_01_{number:03d}.png", edge_map())
-    write_image(
-        tmp_path / "true/layer_binary_20120429_01_999.png", MASK
-    )  # a train scene: not predicted
-    return tmp_path / "made", tmp_path / "true"
+            write_image(made / output / f"data_{name}", edge_map(offset))
+        write_image(true / f"layer_binary_{name}", MASK)
+        write_image(true / f"data_{name}", edge_map())
+    write_image(true / "layer_binary_20120429_01_999.png", MASK)  # a train scene: not predicted
+    return made, true
 
 
 def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys):
@@ -62,21 +60,14 @@ def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys)
     command += ["--thresholds", "published"]
     main([*command, "--format", "json"])
     printed = json.loads(capsys.readouterr().out)
+    assert printed["notes"][0].startswith("scored are 3 of 4 truths")
+    names = [row["image"] for row in printed["images"]]
+    assert names == ["20120429_01_000", "20120429_01_001", "20120429_01_002"]
     counts = match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)
     chain = score([counts], THRESHOLDS)
-    assert printed["notes"][0].startswith("scored are 3 of 4 truths")
-    assert [row["image"] for row in printed["images"]] == [
-        f"20120429_01_{number:03d}" for number in range(3)
-    ]
-    # JSON has ten decimals. Images that are all the same leave nothing to chance.
-    scores = {
-        "ods": chain["ods"],
-        "ap": chain["ap"],
-        "share_within": 1,
-        "n_missed_layers": 0,
-        "n_false_layers": 0,
-    }
-    for name, value in scores.items():
+    scores = {"ods": chain["ods"], "ap": chain["ap"], "share_within": 1, "n_missed_layers": 0}
+    for name, value in (scores | {"n_false_layers": 0}).items():
+        # JSON has ten decimals. Images that are all the same leave nothing to chance.
         assert_allclose([printed[row][name] for row in ("all", "low", "high")], value, atol=1e-10)
     main([*command, "--output", "side_1", "--format", "csv"])
     # 4 bins off: beyond 0.0075 diagonals of 210 pixels.
@@ -135,17 +126,21 @@ def test_the_image_beside_a_map_is_not_taken_for_it(folders):
     assert table.loc["20120429_01_000", "mean_absolute_error_bins"] == 0
 
 
+def saved(folder, made):
+    """Folders of so many arrays, and of as many truths of the same layers."""
+    folders = (folder / "made", folder / "true")
+    for path, arrays in zip(folders, (made, [LAYERS] * len(made)), strict=True):
+        path.mkdir()
+        for number, values in enumerate(arrays):
+            np.save(path / f"{number}.npy", values)
+    return folders
+
+
 def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_path):
-    for folder in ("made", "true"):
-        (tmp_path / folder).mkdir()
-    for number, picks in enumerate((LAYERS, LAYERS[:2], np.vstack([LAYERS, LAYERS[-1] + 30]))):
-        np.save(tmp_path / f"made/{number}.npy", picks)
-        np.save(tmp_path / f"true/{number}.npy", LAYERS)
-    tables = [
-        score_folders(tmp_path / "made", tmp_path / "true", picks=True, processes=n) for n in (1, 2)
-    ]
-    assert tables[0].equals(tables[1])
-    counts = tables[0].set_index("image")[["n_layers", "n_missed_layers", "n_false_layers"]]
+    folders = saved(tmp_path, [LAYERS, LAYERS[:2], np.vstack([LAYERS, LAYERS[-1] + 30])])
+    table, again = (score_folders(*folders, picks=True, processes=n) for n in (1, 2))
+    assert table.equals(again)
+    counts = table.set_index("image")[["n_layers", "n_missed_layers", "n_false_layers"]]
     assert counts.loc[["1", "all"]].to_numpy().tolist() == [[3, 1, 0], [9, 1, 1]]
     # Binomial of 3 draws at 1/3: none with 8/27, three with 1/27 = 3.7 %, more than the 2.5 % above
     # the upper end.
@@ -155,13 +150,7 @@ def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_pat
 @pytest.fixture
 def ten(tmp_path):
     """Ten truths of the same layers, and a map of each, of which every second finds one layer."""
-    for folder in ("made", "true"):
-        (tmp_path / folder).mkdir()
-    for number in range(10):
-        found = LAYERS[:1] if number % 2 else LAYERS
-        np.save(tmp_path / f"made/{number}.npy", edge_map(1, found))
-        np.save(tmp_path / f"true/{number}.npy", LAYERS)
-    return tmp_path / "made", tmp_path / "true"
+    return saved(tmp_path, [edge_map(1), edge_map(1, LAYERS[:1])] * 5)
 
 
 @pytest.mark.parametrize("picks", [False, True])

@@ -231,13 +231,12 @@ def check_elements(content, order, start, end):
             first, flags, second, n_bytes = struct.unpack_from(f"{order}I4xI4xII", content, begin)
             shape = struct.unpack_from(f"{order}{n_bytes // 4}i", content, begin + 24)
             number = flags & 0xFF
-            expected = [False] * (N_PARTS.get(number, 0) + bool(flags & COMPLEX))
+            n_parts = N_PARTS.get(number, 0) + bool(flags & COMPLEX)
             is_matrix = [part == MATRIX for part in parts[2:]]
-            if number in HOLDERS:
-                expected += [True] * (len(is_matrix) - len(expected))
+            n_held = len(is_matrix) - n_parts if number in HOLDERS else 0
             n_least = math.prod(shape) * (8 if number in HOLDERS else 1)
-            is_sound = is_matrix == expected and COMPRESSED not in parts
-            is_sound &= number == SPARSE or n_least <= size
+            is_sound = is_matrix == [False] * n_parts + [True] * n_held
+            is_sound &= COMPRESSED not in parts and (number == SPARSE or n_least <= size)
             has_shape = (first, second) == (FLAGS, SHAPE) and len(shape) > 1
             fits = (is_sound and has_shape) or number > max(N_PARTS)
         if not fits:
@@ -295,8 +294,7 @@ def _read_mat5(file, shapes, names):
     with warnings.catch_warnings():
         # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
         warnings.simplefilter("error", ComplexWarning)
-        how = {"mat_dtype": True, "simplify_cells": True}
-        values = scipy.io.loadmat(file, variable_names=names, **how)
+        values = scipy.io.loadmat(file, variable_names=names, mat_dtype=True, simplify_cells=True)
     return {name: values[name] for name in names if getattr(values[name], "size", 1)}
 
 

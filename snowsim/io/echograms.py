@@ -8,8 +8,8 @@ import xarray as xr
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.frames import shifted
-from snowsim.io.containers import SUPPLEMENT_FLAGS, read_values
-from snowsim.io.files import MAXIMUM_BYTES, library_errors, refusal
+from snowsim.io.containers import ECHOGRAMS, SUPPLEMENT_FLAGS, format_of, opened, read_values
+from snowsim.io.files import MAXIMUM_BYTES, library_errors, listed, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
 UNITS = {
@@ -43,6 +43,99 @@ def named_frame(path):
     """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
     named = NAMED.search(Path(path).stem)
     return (named[1], int(named[2])) if named else (None, None)
+
+
+def read_echogram(path, *, compensated=False, source=None):
+    """Echogram dataset of a file, whose format is determined from its content.
+
+    Parameters
+    ----------
+    path : path_like
+        IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar
+        dataset (NetCDF, Zarr).
+    compensated : bool
+        Keep elevation compensation where a file has it; by default travel times are those to the
+        antenna's `Elevation`.
+    source : {"nsidc", "cresis", "opr"}, optional
+        Format that the file must have; by default any of these.
+
+    Returns
+    -------
+    xarray.Dataset
+        Coordinates `slow_time` [UTC] and `twtt` [s]; `Data` (twtt, slow_time) in linear power, NaN
+        where nothing was recorded; `Latitude`, `Longitude`, `Elevation`, `Surface` along slow_time,
+        and what else the file has.
+
+    Raises
+    ------
+    ValueError
+        One line, with file, variable, expected and found, for any file that is not a sound
+        echogram.
+
+    Examples
+    --------
+    A simulated frame, written as Open Polar Radar dataset:
+
+    >>> from snowsim import Climate, simulate
+    >>> drawn, _ = simulate(Climate(accumulation_m=0.3), "snow-2012", n_range_lines=64, rng=1)
+    >>> _ = drawn.to_netcdf("frame.nc")
+    >>> echogram = read_echogram("frame.nc")
+    >>> echogram.sizes["slow_time"], echogram["twtt"].attrs["units"]
+    (64, 's')
+    """
+    stored = opened(path)
+    with library_errors(stored.path):
+        kind = format_of(stored, [source] if source else ECHOGRAMS)
+        if kind == "opr":
+            return read_opr(stored)
+        read = read_nsidc if kind == "nsidc" else read_cresis
+        return read(stored, compensated=compensated)
+
+
+def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
+    """Echogram dataset of arrays in memory, as `read_echogram` gives them of a file.
+
+    Parameters
+    ----------
+    data : array_like, (range_bin, range_line)
+        Linear power, NaN where nothing was recorded.
+    twtt : array_like, (range_bin,)
+        Two-way travel time of the range bins, evenly spaced [s].
+    slow_time : array_like of datetime64, (range_line,), optional
+        UTC; by default range lines follow one another by a millisecond, from 2000 on.
+    attrs : dict, optional
+        Attributes of the dataset.
+    **along_track : array_like, (range_line,)
+        `Latitude`, `Longitude` [deg], `Elevation` [m], `Surface` and `Bottom` (travel times) [s],
+        `Roll`, `Pitch`, `Heading` [radian]; the first four are NaN by default.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `read_echogram`.
+
+    Raises
+    ------
+    ValueError
+        In one line: names that are not known, lengths that do not agree, power that is negative or
+        looks like grey levels.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> power = np.random.default_rng(1).gamma(4, 0.25, size=(300, 64))
+    >>> frame = echogram(power, twtt=3e-6 + 2.886e-10 * np.arange(300))
+    >>> dict(frame.sizes), int(frame["Surface"].isnull().sum())
+    ({'twtt': 300, 'slow_time': 64}, 64)
+    """
+    where = "echogram"
+    with library_errors(where, "data: expected an array (range_bin, range_line)"):
+        if along_track.keys() - UNITS.keys():
+            raise refusal(where, "names", listed(UNITS), listed(along_track))
+        content = {"Data": np.asarray(data), "twtt": twtt} | along_track
+        if slow_time is not None:
+            content["slow_time"] = np.asarray(slow_time)
+        return echogram_dataset(where, content, attrs or {})
 
 
 def echogram_dataset(where, content, attributes, *, decibels=False):
@@ -162,7 +255,7 @@ def read_nsidc(stored, *, compensated=False):
     for ours in ALONG_TRACK:
         theirs = NSIDC_NAMES.get(ours, ours)
         if theirs in values:
-            along = np.ravel(values[theirs]).astype(float)
+            along = values[theirs].astype(float)
             content[ours] = np.radians(along) if ours in ATTITUDE else along
     attributes = {"source_format": "IRSNO1B NetCDF"}
     for name in sorted(values.variables):

@@ -10,11 +10,10 @@ import pandas as pd
 
 from snowsim import frames
 from snowsim.echogram import FAR_BINS, bin_size_s, check_choice, surface_away_bins
-from snowsim.frames import FLAGGED
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
-from snowsim.io.layers import begins_with_surface
+from snowsim.io.layers import ABSENT, begins_with_surface
 from snowsim.io.times import leap_seconds
 from snowsim.progress import shown
 
@@ -135,7 +134,7 @@ def _summary(row, echogram, layers, *, blocks):
         "bin_size_s": bin_size_s(echogram),
         "n_scenes": len(scenes),
         "n_skipped": len(skipped),
-        "n_flagged_blocks": sum(reason.endswith(FLAGGED) for reason in skipped.values()),
+        "n_flagged_blocks": sum(reason.endswith(frames.FLAGGED) for reason in skipped.values()),
         "n_flagged_lines": n_flagged_lines,
         "flags": flags,
     }
@@ -205,7 +204,7 @@ def _layers_from_surface(path, layer_names):
         labels = layers["layer"].values.astype(str)
         raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
     if layer_names is not None:
-        absent = {"twtt": np.nan, "quality": 1, "type": 2}
+        absent = {"twtt": np.nan, **ABSENT}
         layers = layers.reindex(layer=list(layer_names), fill_value=absent)
     return layers
 

@@ -1,5 +1,6 @@
 """Layer files of every format, read and written."""
 
+import itertools
 import re
 import warnings
 from pathlib import Path
@@ -8,8 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import check_layers
-from snowsim.io.containers import POSITION, read_values, write_matlab
+from snowsim.echogram import check_choice, check_layers
+from snowsim.io.containers import POSITION, format_of, opened, read_values, write_matlab
 from snowsim.io.echograms import UNITS, l1b_content, named_frame, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
@@ -24,10 +25,111 @@ PICKS = {
     "quality": {"flag_values": "1 good, 2 moderate, 3 bad"},
     "type": {"flag_values": "1 manual, 2 automatic"},
 }
-GOOD, MANUAL, AUTOMATIC = 1, 1, 2
+MANUAL = 1
+# Where nobody picked.
+ABSENT = {"quality": 1, "type": 2}
 FAR_S = 2e-7  # 30 m of air: so far the surface of one line cannot lie above that of all others
 # Names in old files, and of Open Polar Radar, by those of new ones.
 RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
+
+
+def read_layers(path, *, names=None, missing="refuse"):
+    """Layers dataset of a file, whose format is determined from its content.
+
+    Parameters
+    ----------
+    path : path_like
+        CReSIS layer file, new (names from the organizer file beside it) or old, or an Open Polar
+        Radar layers dataset.
+    names : iterable of str, optional
+        Read these layers only, such as ``["surface", "Koenig_2"]``.
+    missing : {"refuse", "skip"}
+        What becomes of a file that has no layer of one of the `names`.
+
+    Returns
+    -------
+    xarray.Dataset
+        `twtt` [s], `quality`, `type` on (layer, slow_time), from the snow surface down; `layer`
+        holds the names.
+
+    Raises
+    ------
+    ValueError
+        One line, with file, variable, expected and found, for any file that is not a sound set of
+        layers; also where no layer has a pick, or where layers cross.
+
+    Examples
+    --------
+    >>> from snowsim import Climate, simulate
+    >>> _, drawn = simulate(Climate(accumulation_m=0.3), "snow-2012", n_range_lines=64, rng=1)
+    >>> _ = drawn.to_netcdf("layers.nc")
+    >>> layers = read_layers("layers.nc")
+    >>> layers["twtt"].dims, int(layers["layer"][0])
+    (('layer', 'slow_time'), 0)
+    """
+    check_choice("missing", missing, ("refuse", "skip"))
+    readers = {
+        "cresis_layer": read_cresis_layers,
+        "cresis_layer_data": read_cresis_layer_data,
+        "opr_layers": read_opr_layers,
+    }
+    names = [names] if isinstance(names, str) else names
+    stored = opened(path)
+    with library_errors(stored.path):
+        kind = format_of(stored, readers)
+        return chosen(readers[kind](stored), names, missing, stored.path)
+
+
+def open_segment(paths):
+    """Layers of the frames of a segment as one dataset, frames in order of their times.
+
+    Parameters
+    ----------
+    paths : iterable of path_like
+        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `read_layers`; a layer of the same name is the same in all frames, NaN where a frame
+        lacks it. Layers come by their names: the surface, then by number. `frame` along slow_time
+        is the name of the file.
+
+    Raises
+    ------
+    ValueError
+        In one line: no file, one that `read_layers` refuses, or frames that overlap in time.
+    """
+    paths = list(paths)
+    where = "segment"
+    if not paths:
+        raise refusal(where, "files", "those of its frames", "none")
+    frames = []
+    for path in paths:
+        layers = read_layers(path)
+        frame = Path(path).stem.removesuffix("_layers")
+        names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
+        frames.append(layers.assign_coords(frame=names))
+    frames.sort(key=lambda frame: frame["slow_time"].values[0])
+    for first, second in itertools.pairwise(frames):
+        if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
+            names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
+            raise refusal(where, names, "frames that follow one another", "frames overlap in time")
+    joined = xr.concat(
+        frames,
+        "slow_time",
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="outer",
+        fill_value=ABSENT,
+        combine_attrs="drop_conflicts",
+    )
+    names = joined["layer"].values
+    in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
+    joined = joined.sel(layer=in_order)
+    check_layers(joined, f"{where} of {paths[0]}")
+    return joined
 
 
 def read_cresis_layers(stored):
@@ -43,7 +145,7 @@ def read_cresis_layers(stored):
         raise refusal(stored.path, "twtt", expected, "no layer (MATLAB_empty)")
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
-    absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
+    absent = {name: np.full(shape, value) for name, value in ABSENT.items()}
     picks = {name: np.atleast_2d((absent | values)[name]) for name in PICKS}
     named = _organized(stored.path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
@@ -66,8 +168,10 @@ def read_cresis_layer_data(stored):
         manual, automatic = (np.ravel(value["data"]) for value in entry["value"][:2])
         quality = np.ravel(entry.get("quality", ()))
         picks["twtt"].append(automatic)
-        picks["quality"].append(quality if quality.size == n_lines else np.full(n_lines, GOOD))
-        types = np.full(n_lines, AUTOMATIC)
+        picks["quality"].append(
+            quality if quality.size == n_lines else np.full(n_lines, ABSENT["quality"])
+        )
+        types = np.full(n_lines, ABSENT["type"])
         types[np.flatnonzero(np.isfinite(manual))] = MANUAL
         picks["type"].append(types)
         unnamed = OLD_NAMES[number] if number < len(OLD_NAMES) else f"layer {number + 1}"
@@ -212,7 +316,7 @@ def _layers_dataset(values, picks, names, source):
             position = np.ravel(values[name]).astype(float)
             variables[name] = ("slow_time", position, {"units": UNITS[name]})
     dataset = xr.Dataset(variables, attrs={"source_format": source}).set_coords("group")
-    for name in ("quality", "type"):
+    for name in ABSENT:
         flags = dataset[name].fillna(0)
         if flags.min() < 0 or flags.max() > 255:
             raise refusal(None, name, "flags within 0 to 255", f"up to {flags.max():g}")
@@ -379,7 +483,7 @@ def _frame_content(segment, layers, n_layers):
     for theirs, ours in RENAMED.items():
         if ours in POSITION:
             content[theirs] = layers[ours].values.astype(float)
-    for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
+    for name, absent in ABSENT.items():
         flags = np.full(shape, absent)
         flags[numbers] = layers[name].transpose("layer", "slow_time").values
         content[name] = np.where(np.isfinite(twtt), flags, absent).astype(np.uint8)

@@ -5,7 +5,6 @@ Trackers need no safetensors, which is imported where networks are read and writ
 
 import hashlib
 import json
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +128,5 @@ def read_tracker(path):
 
 def shipped_trackers():
     """Paths of the trackers that come with the package, by name."""
-    folder = Path(str(resources.files("snowsim"))) / "data"
-    found = sorted(folder.glob("*.onnx"))
+    found = sorted((Path(__file__).parents[1] / "data").glob("*.onnx"))
     return {path.stem: path for path in found if path.with_suffix(".json").is_file()}

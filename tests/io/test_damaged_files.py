@@ -22,7 +22,6 @@ import numpy as np
 import pytest
 from formats import refused
 
-from snowsim.echogram import Scene
 from snowsim.io import (
     SceneSet,
     layer_numbers,
@@ -47,22 +46,16 @@ READERS = {
 }
 
 
-def write_png(path, scene):
-    write_image(path, scene.image, {"maximum_db": scene.maximum_db})
-
-
 def sound_files(rng):
     """Writer and content of a sound file of every kind, small: random bits often hit structure."""
     content = formats.truth(rng, n_bins=40, n_lines=12)
     gps_time, surface = content["GPS_time"], content["Surface"]
     twtt = np.array([surface, surface + 1e-8, surface + 2e-8])
     image = rng.integers(0, 256, (300, 10), dtype=np.uint8)
-    layer_bins = np.array([[50.0], [80.0], [120.0]]) + np.zeros(10)
-    scene = Scene("s", 300, layer_bins, image=image, maximum_db=3.0)
+    numbers, _ = layer_numbers(np.repeat([[50.0], [80.0], [120.0]], 10, axis=1), 300)
     echogram = content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}
     layers = formats.layer_content(twtt, [1, 2, 3], gps_time)
     old_layers = formats.old_layer_content(twtt[:2], gps_time, ["surface", "Koenig_2"])
-    pair = {"data": scene.image, "layer": layer_numbers(scene.layer_bins, 300)[0]}
     plain_mat5 = partial(formats.write_mat5, compress=False)
     netcdf3 = partial(formats.write_nsidc, format="NETCDF3_CLASSIC")
     return {
@@ -77,8 +70,8 @@ def sound_files(rng):
         "layers-old-mat5": (plain_mat5, old_layers),
         "layers-old-mat73": (formats.write_mat73, old_layers),
         "layers-opr": (write_dataset, formats.opr_layers(twtt, gps_time, ["surface", "a", "b"])),
-        "image-png": (write_png, scene),
-        "pair-mat73": (formats.write_mat73, pair),
+        "image-png": (partial(write_image, numbers={"maximum_db": 3.0}), image),
+        "pair-mat73": (formats.write_mat73, {"data": image, "layer": numbers}),
     }
 
 
