@@ -120,8 +120,8 @@ def _rendered(scene, renderer):
         raise ValueError(msg)
     levels = {}
     if image.dtype != np.uint8:
-        image, *levels_db = to_uint8(image)
-        levels = dict(zip(("noise_floor_db", "maximum_db"), levels_db, strict=True))
+        image, noise_floor_db, maximum_db = to_uint8(image)
+        levels = {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
     return dataclasses.replace(scene, image=image, echoes=None, **levels)
 
 

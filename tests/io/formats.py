@@ -142,12 +142,9 @@ def write_nsidc_flight(folder, rng, roles, n_lines):
 
 
 def as_matlab(content):
-    """Vectors as MATLAB keeps them: rows, and some columns."""
-    columns = {name: (-1, 1) for name in ("Time", "Truncate_Bins")}
-    vectors = [
-        name for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1
-    ]
-    return content | {name: content[name].reshape(columns.get(name, (1, -1))) for name in vectors}
+    """Some vectors are columns in MATLAB; others are written as rows."""
+    names = [name for name in ("Time", "Truncate_Bins") if np.ndim(content.get(name)) == 1]
+    return content | {name: content[name][:, None] for name in names}
 
 
 def write_mat5(path, content, *, compress=True):
@@ -216,7 +213,7 @@ def layer_content(twtt, ids, gps_time, *, elevation=2500.0):
         "gps_time": np.asarray(gps_time),
         "lat": np.full(n_lines, 70.0),
         "lon": np.full(n_lines, -40.0),
-        "elev": np.broadcast_to(np.asarray(elevation, dtype=float), (n_lines,)).copy(),
+        "elev": np.full(n_lines, elevation),
         "id": np.asarray(ids, dtype=float),
         "twtt": twtt,
         "quality": np.ones(twtt.shape, dtype=np.uint8),
@@ -226,10 +223,7 @@ def layer_content(twtt, ids, gps_time, *, elevation=2500.0):
 
 def cell(items):
     """A row of MATLAB's cells."""
-    cells = np.empty((1, len(items)), dtype=object)
-    for i, item in enumerate(items):
-        cells[0, i] = item
-    return cells
+    return np.fromiter(items, dtype=object)[None]
 
 
 def organizer_content(ids, names, groups=None):
@@ -245,10 +239,8 @@ def old_layer_content(twtt, gps_time, names):
     """An old layer file: a cell of structs."""
     entries = []
     for row, name in zip(twtt, names, strict=True):
-        manual = np.full(row.size, np.nan)
-        manual[0] = row[0]
-        value = cell([{"data": manual[None]}, {"data": row[None]}])
-        entry = {"value": value, "quality": np.ones((1, row.size))}
+        manual = np.where(np.arange(row.size) == 0, row, np.nan)
+        entry = {"value": cell([{"data": manual}, {"data": row}]), "quality": np.ones(row.size)}
         if name:
             entry["name"] = name
         entries.append(entry)

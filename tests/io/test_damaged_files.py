@@ -92,18 +92,16 @@ def outcomes_of(folder):
     names = {path.name for path in folder.iterdir()}
     command, seconds = [sys.executable, __file__, str(folder)], 60 + 2 * len(names)
     child = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
-    outcomes = {}
-    for line in child.stdout.splitlines():
-        outcome = json.loads(line)
-        outcomes[outcome.pop("file")] = outcome
+    lines = map(json.loads, child.stdout.splitlines())
+    outcomes = {line["file"]: line for line in lines}
     at = next((name for name, outcome in outcomes.items() if outcome.get("begun")), None)
     assert child.returncode == 0, f"{at}: {child.stderr[-2000:]}"
     assert outcomes.keys() == names
     for name, outcome in outcomes.items():
-        if "error" in outcome:
-            assert outcome["error"].startswith(f"{folder / name}: "), outcome["error"]
-            assert "\n" not in outcome["error"]
-            assert len(outcome["error"]) < 1000
+        error = outcome.get("error", f"{folder / name}: ")
+        assert error.startswith(f"{folder / name}: ")
+        assert "\n" not in error
+        assert len(error) < 1000
     return outcomes
 
 
