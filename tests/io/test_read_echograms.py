@@ -352,12 +352,19 @@ def test_units_of_time_that_cf_allows_are_read(path, content, units, per_second)
     assert (np.abs(late) < np.timedelta64(1, "us")).all()
 
 
-@pytest.mark.parametrize("write", [formats.write_nsidc, WRITERS["opr"]], ids=["nsidc", "opr"])
-def test_units_of_time_that_nobody_knows_are_named_with_their_variable(path, content, write):
-    name = "time" if write is formats.write_nsidc else "slow_time"
+@pytest.mark.parametrize(
+    ("write", "name", "units", "message"),
+    [
+        (formats.write_nsidc, "time", "moons since 2012-03-30", "units of time .*, found 'moons s"),
+        (WRITERS["opr"], "slow_time", "moons since 2012-03-30", "units of time .*, found 'moons s"),
+        (formats.write_nsidc, "fasttime", "moons", "s, sec, .*, found moons"),
+        (WRITERS["opr"], "twtt", "moons", "s, sec, .*, found moons"),
+    ],
+)
+def test_units_of_time_that_nobody_knows_are_named(path, content, write, name, units, message):
     write(path, content)
-    set_units(path, name, "moons since 2012-03-30")
-    refused(read_echogram, path, f"{name}: expected units of time .*, found 'moons since")
+    set_units(path, name, units)
+    refused(read_echogram, path, f"{name}: expected {message}")
 
 
 @of_mat
