@@ -361,12 +361,17 @@ def l1b_content(segment, echogram):
     centre_hz = echogram.attrs["centre_hz"]
     half_hz = echogram.attrs["bandwidth_hz"] / 2
     sweep = {"f0": centre_hz - half_hz, "f1": centre_hz + half_hz, "fmult": 1.0}
-    records = {"gps_source": "", "cmd": {"mission_names": ""}, "radar": {"wfs": sweep}}
+    records = {
+        **parameters(segment, echogram.attrs),
+        "gps_source": "",
+        "cmd": {"mission_names": ""},
+        "radar": {"wfs": sweep},
+    }
     content = {
         "Data": echogram["Data"].transpose("twtt", "slow_time").values,
         "Time": echogram["twtt"].values[:, None],
         "GPS_time": gps_seconds(echogram["slow_time"].values),
-        "param_records": parameters(segment, echogram.attrs) | records,
+        "param_records": records,
     }
     return content | {name: echogram[name].values for name in ALONG_TRACK if name in echogram}
 

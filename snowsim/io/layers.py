@@ -386,8 +386,8 @@ def write_cresis(path, dataset):
     names = _layer_names(dataset.sizes["layer"])
     there = [name for name, _ in _organized(path).values()]
     if there not in ([], names):
-        organizer = find_organizer(path)
-        raise refusal(organizer, "lyr_name", f"surface to {names[-1]}", ", ".join(there))
+        expected = f"surface to {names[-1]}"
+        raise refusal(find_organizer(path), "lyr_name", expected, ", ".join(there))
     for file, content in _contents(segment, {path: dataset}, "simulated").items():
         write_matlab(file, "layers", content)
 
