@@ -61,10 +61,9 @@ def confidence(piece, n_lines, coefficients):
 
 
 def likely(pieces, n_lines, coefficients):
-    """Pieces of `LEAST_CONFIDENCE` or more in the mean, and how sure their picks are, two lists."""
-    sure = [confidence(piece, n_lines, coefficients) for piece in pieces]
-    kept = [number for number, each in enumerate(sure) if each.mean() >= LEAST_CONFIDENCE]
-    return [pieces[number] for number in kept], [sure[number] for number in kept]
+    """Pieces of `LEAST_CONFIDENCE` or more in the mean, each with how sure its picks are, pairs."""
+    pairs = [(piece, confidence(piece, n_lines, coefficients)) for piece in pieces]
+    return [(piece, sure) for piece, sure in pairs if sure.mean() >= LEAST_CONFIDENCE]
 
 
 def half_width_rows(sure):
@@ -72,24 +71,24 @@ def half_width_rows(sure):
     return np.interp(sure, SURE, HALF_WIDTH_ROWS)
 
 
-def layers_of_frame(canonical, pieces, sure, first_line):
+def layers_of_frame(canonical, pieces, first_line):
     """Layers dataset of the frame whose image begins at range line `first_line` of the pieces.
 
-    `pieces` are the surface and all others, downwards, `sure` how sure the picks of each are. Those
-    with a pick in this frame have a row, called by their number.
+    `pieces` are the surface and all others, downwards, each with how sure its picks are. Those with
+    a pick in this frame have a row, called by their number.
     """
     grid = canonical.grid
     lines = first_line + np.arange(grid.n_lines)
     numbers = []
     rows = []
     sure_of_rows = []
-    for number, (piece, of_piece) in enumerate(zip(pieces, sure, strict=True)):
+    for number, (piece, sure) in enumerate(pieces):
         first, stop = np.searchsorted(piece.line, [lines[0], lines[-1] + 1])
         if number > 0 and first == stop:
             continue
         numbers.append(number)
         rows.append(between_lines(on_lines(piece, piece.row, lines), grid.line))
-        sure_of_rows.append(between_lines(on_lines(piece, of_piece, lines), grid.line))
+        sure_of_rows.append(between_lines(on_lines(piece, sure, lines), grid.line))
     rows = np.array(rows)
     # A chain straight across a gap may touch a surface that jumps, or another chain.
     rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan

@@ -141,14 +141,13 @@ def layers_of_frames(frames, card):
     candidates = Candidates.concatenated([frame.candidates for frame in frames])
     n_lines = candidates.n_lines
     found = join(link(candidates, card.threshold_log_odds))
-    pieces, sure = likely(found, n_lines, card.confidence)
     surface = _surface(frames)
-    pieces.insert(0, surface)
-    sure.insert(0, confidence(surface, n_lines, card.confidence))
+    sure = confidence(surface, n_lines, card.confidence)
+    pieces = [(surface, sure), *likely(found, n_lines, card.confidence)]
     layers = []
     first_line = 0
     for frame in frames:
-        layers.append(layers_of_frame(frame.canonical, pieces, sure, first_line))
+        layers.append(layers_of_frame(frame.canonical, pieces, first_line))
         first_line += frame.canonical.grid.n_lines
     return layers
 

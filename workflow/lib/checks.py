@@ -23,8 +23,7 @@ def warn_of_edits(root, results):
 
     An edit of the code that scripts import reruns nothing, since rules do not name it.
     """
-    made = [Path(results, name) for name in LANDMARKS]
-    made = [path for path in made if path.exists()]
+    made = [path for name in LANDMARKS if (path := Path(results, name)).exists()]
     code = [path for pattern in IMPORTED for path in root.glob(pattern)]
     if not made:
         return

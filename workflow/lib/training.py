@@ -106,7 +106,7 @@ def enough_memory(what):
     try:
         yield
     except (MemoryError, RuntimeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "no memory left"
+        reason = (str(error) or "no memory left").splitlines()[0]
         is_memory = isinstance(error, MemoryError | torch.OutOfMemoryError)
         if not is_memory and "allocate memory" not in reason:
             raise

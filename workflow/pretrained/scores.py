@@ -82,7 +82,7 @@ def followed(logits, tracker, shape):
     bins = []
     sure = []
     found = pieces_of(logits, tracker.calibration)
-    for piece, of_piece in zip(*likely(found, n_lines, tracker.confidence), strict=True):
+    for piece, of_piece in likely(found, n_lines, tracker.confidence):
         own_row = resized_rows(on_lines(piece, piece.row, lines), n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
         sure.append(between_lines(on_lines(piece, of_piece, lines), own_lines))
