@@ -4,9 +4,7 @@ import shutil
 import subprocess
 from contextlib import contextmanager
 
-import numpy as np
 import pytest
-import xarray as xr
 from refusals import refusal
 from runs import lines_with, run_snakemake
 
@@ -59,32 +57,13 @@ def test_a_disk_that_fills_up_ends_the_job_in_one_line_and_leaves_nothing(tmp_pa
     assert log.splitlines()[-1].endswith(line.removeprefix("error: reference_frames_0000: "))
 
 
-@pytest.fixture
-def broken_run(tiny_run, tmp_path):
-    """A copy of the finished run's flight, for a test to break."""
+def test_a_truncated_frame_is_named_in_one_line_and_no_summary_is_left(tiny_run, tmp_path):
     shutil.copytree(tiny_run / "results/flight", tmp_path / "results/flight")
-    return tmp_path
-
-
-def error_from_the_flight(folder, target):
-    """The one line of error when a target is made from the flight as it lies there."""
-    done = run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target, fails=True)
-    assert not (folder / target).exists()
-    (line,) = lines_with(done, "error: ")
-    return line
-
-
-def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
-    path = broken_run / "results/flight/0001.nc"  # the second of the first shard
+    path = tmp_path / "results/flight/0001.nc"  # the second of the first shard
     path.write_bytes(path.read_bytes()[:20_000])
-    line = error_from_the_flight(broken_run, "results/statistics/0000.nc")
+    target = "results/statistics/0000.nc"
+    arguments = ("--rerun-triggers", "mtime", "--quiet", "--", target)
+    done = run_snakemake(tmp_path, *arguments, fails=True)
+    assert not (tmp_path / target).exists()
+    (line,) = lines_with(done, "error: ")
     assert "results/flight/0001.nc: expected" in line
-
-
-def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
-    for path in sorted((broken_run / "results/flight").glob("*_layers.nc")):
-        layers = xr.load_dataset(path)
-        layers["twtt"][:] = np.nan
-        layers.to_netcdf(path)
-    line = error_from_the_flight(broken_run, "results/statistics.nc")
-    assert "with the surface picked in 4 frames must be" in line
