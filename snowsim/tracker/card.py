@@ -12,8 +12,9 @@ NUMBERS = {
     "line_spacing_m": (1e-2, 1e4),
     "temperature": (1e-3, 1e3),
     "threshold": (1e-6, 1 - 1e-6),
+    "echo_db": (-np.inf, np.inf),
 }
-SHAPES = {"confidence": (3,)} | dict.fromkeys([*NUMBERS, "echo_db"], ())
+SHAPES = dict.fromkeys(NUMBERS, ()) | {"confidence": (3,)}
 RANGED = ("bin_s", "line_spacing_m", "n_looks")
 # Coefficients of `snowsim.tracker.confidence` where a card has none: fitted on the synthetic
 # flights of seeds 1000 to 1004.
@@ -105,7 +106,6 @@ def checked_card(content, where):
         **{name: float(content[name]) for name in NUMBERS},
         ranges={name: tuple(limits) for name, limits in ranges.items()},
         confidence=tuple(content["confidence"]),
-        echo_db=float(content["echo_db"]),
     )
 
 

@@ -82,8 +82,10 @@ def check(config):
         hint = f" (expected: {expected})" if expected else ""
         msg = f"config: {key}: {error.message}{hint}"
         raise ValueError(msg)
-    wanted = {"measured": "deblended", "paper": "paper"}[config["labels"]["recipe"]]
-    if config["statistics"]["estimator"] != wanted:
-        msg = f"config: labels.recipe: {config['labels']['recipe']} needs statistics.estimator: "
-        msg += f"{wanted}, got {config['statistics']['estimator']}"
+    recipe = config["labels"]["recipe"]
+    estimator = config["statistics"]["estimator"]
+    wanted = {"measured": "deblended", "paper": "paper"}[recipe]
+    if estimator != wanted:
+        msg = f"config: labels.recipe: {recipe} needs statistics.estimator: {wanted}, "
+        msg += f"got {estimator}"
         raise ValueError(msg)

@@ -108,7 +108,7 @@ def tracker_intervals(
         for _ in range(n_bootstrap)
     ]
     scored = partial(score, as_published=grid == "published")
-    rows = []
+    tables = []
     for output, training_set in product(outputs, training_sets):
         replicas = [stack_counts(images) for images in counts[training_set, output]]
         mean = _means(replicas, scored)
@@ -118,24 +118,23 @@ def tracker_intervals(
             base = here
         low, high = np.percentile(here, [2.5, 97.5], axis=0)
         difference_low, difference_high = np.percentile(here - base, [2.5, 97.5], axis=0)
-        for metric, name in NAMES[grid].items():
-            index = METRICS.index(metric)
-            row = {
-                "output": output,
-                "training_set": training_set,
-                "metric": name,
-                "mean": mean[index],
-                "low": low[index],
-                "high": high[index],
-                "difference": mean[index] - base_mean[index],
-                "difference_low": difference_low[index],
-                "difference_high": difference_high[index],
-                "n_replicas": n_replicas,
-                "n_images": n_images,
-                "n_without_truth": n_without_truth,
-            }
-            rows.append(row)
-    return pd.DataFrame(rows)
+        rows = {
+            "output": output,
+            "training_set": training_set,
+            "metric": METRICS,
+            "mean": mean,
+            "low": low,
+            "high": high,
+            "difference": mean - base_mean,
+            "difference_low": difference_low,
+            "difference_high": difference_high,
+            "n_replicas": n_replicas,
+            "n_images": n_images,
+            "n_without_truth": n_without_truth,
+        }
+        tables.append(pd.DataFrame(rows))
+    table = pd.concat(tables, ignore_index=True)
+    return table.assign(metric=table["metric"].map(NAMES[grid])).dropna(subset="metric")
 
 
 def _means(replicas, scored, images=slice(None)):

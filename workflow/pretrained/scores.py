@@ -116,16 +116,16 @@ def score_tracker(tracker, scenes, scale):
     layers missed and false pieces, of the number of true layers; `deviation` of the reliability of
     its confidence.
     """
-    logits = [fused_logits(tracker.network, resized(scene.image, scale)) for scene in scenes]
-    own = [on_pixels(each, scene.image.shape) for each, scene in zip(logits, scenes, strict=True)]
-    probability = [tracker.calibration.probability(each) for each in own]
+    probability = []
+    picks = []
+    for scene in scenes:
+        logits = fused_logits(tracker.network, resized(scene.image, scale))
+        on_its_own = on_pixels(logits, scene.image.shape)
+        probability.append(tracker.calibration.probability(on_its_own))
+        picks.append(followed(logits, tracker, scene.image.shape))
     edges = score(*edge_counts(probability, scenes))
     scores = {name: edges[name] for name in ("ods", "ois", "ap")}
     scores["threshold"] = tracker.calibration.threshold
-    picks = [
-        followed(each, tracker, scene.image.shape)
-        for each, scene in zip(logits, scenes, strict=True)
-    ]
     scores |= pick_scores(picks, scenes)
     scores["deviation"] = reliability_of(picks, scenes, scale).deviation
     return scores

@@ -78,12 +78,13 @@ def ridge_logits(image):
     return strength / strength.std() - EVEN_STRENGTH
 
 
-def layers_of(bins, sure, snow):
-    """Layers dataset of picks (layer, range_line) below the true surface of a scene."""
+def layers_of(picks, snow):
+    """Layers dataset of `Picks` below the true surface of a scene."""
     surface = snow.scene.layer_bins[0]
-    deeper = np.nan_to_num(np.nanmax(bins - surface, axis=1, initial=-1)) > NEAR_SURFACE_BINS
-    bins = np.vstack([surface, np.where(bins > surface + NEAR_SURFACE_BINS, bins, np.nan)[deeper]])
-    sure = np.vstack([np.ones(surface.size), sure[deeper]])
+    below = np.where(picks.bins > surface + NEAR_SURFACE_BINS, picks.bins, np.nan)
+    deeper = np.isfinite(below).any(axis=1)
+    bins = np.vstack([surface, below[deeper]])
+    sure = np.vstack([np.ones(surface.size), picks.sure[deeper]])
     half_s = half_width_rows(sure) * BIN_S
     twtt = bins * snow.bin_s
     times = np.datetime64("2000-01-01", "ns") + np.arange(surface.size) * np.timedelta64(40, "ms")
@@ -182,10 +183,7 @@ def accumulation_scores(tables, n_possible):
 def scored_snow(name, snows, tracker, picks_of):
     """Row of accumulation scores of a tracker's picks, `picks_of(scene)`, on a list of `Snow`."""
     picks = [picks_of(each.scene) for each in snows]
-    tables = [
-        years_of(layers_of(own.bins, own.sure, each), each)
-        for own, each in zip(picks, snows, strict=True)
-    ]
+    tables = [years_of(layers_of(own, each), each) for own, each in zip(picks, snows, strict=True)]
     # The snow above the uppermost horizon is of no whole year.
     n_possible = sum(np.isfinite(each.scene.layer_bins[2:]).sum() for each in snows)
     of_picks = pick_scores(picks, [each.scene for each in snows])
