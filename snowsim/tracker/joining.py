@@ -1,7 +1,5 @@
 """Pieces put in order, downwards, and those that are one layer joined."""
 
-import heapq
-
 import numpy as np
 
 from snowsim.tracker.linking import Piece
@@ -146,15 +144,12 @@ def _order(whole, layer, below):
     for number in (n for each in beneath.values() for n in each):
         n_above[number] += 1
     waiting = {number: whole[number].row.mean() for number in whole}
-    ready = [(row, number) for number, row in waiting.items() if n_above[number] == 0]
-    heapq.heapify(ready)
     order = []
     while waiting:
-        number = heapq.heappop(ready)[1] if ready else min(waiting, key=waiting.get)
+        free = [number for number in waiting if n_above[number] == 0]
+        number = min(free or waiting, key=waiting.get)
         del waiting[number]
         order.append(number)
-        for n in beneath[number] & waiting.keys():
+        for n in beneath[number]:
             n_above[n] -= 1
-            if n_above[n] == 0:
-                heapq.heappush(ready, (waiting[n], n))
     return order

@@ -62,8 +62,6 @@ class Picks:
 
 def on_pixels(logits, shape):
     """Logits on the pixels of an image that was tracked at another size."""
-    if logits.shape == shape:
-        return logits
     given = torch.from_numpy(logits)[None, None]
     return functional.interpolate(given, size=shape, mode="bilinear")[0, 0].numpy()
 
