@@ -15,9 +15,8 @@ def draw_sets(flight, settings, *, span, seed):
     n_range_lines = settings["n_range_lines"]
     draw = partial(draw_paper_scene, flight, n_range_lines)
     if settings["recipe"] == "measured":
-        zones = settings["nonstationary"]["zones"]
-        folds = settings["nonstationary"] | {"zones": zones and tuple(zones)}
-        model = prepare(flight, n_range_lines, nonstationary=Nonstationary(**folds))
+        folds = Nonstationary(**settings["nonstationary"])
+        model = prepare(flight, n_range_lines, nonstationary=folds)
         draw = partial(draw_scene, model, n_range_lines)
     for number in progress(range(*span), "labels"):
         name = f"label_{number:06d}"
