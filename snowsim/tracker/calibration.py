@@ -12,8 +12,7 @@ from snowsim.metrics.edges import match_counts, score, suppress, thresholds_of
 WITHIN_BINS = 2.0  # distance to a layer within which a pick is a hit
 LEAST_PROBABILITY = 0.02  # probability, before calibration, from which on a pixel may be a pick
 N_CLASSES = 10  # of the reliability curve
-OFFSET_LIMITS = (-10.0, 10.0)
-LOG_TEMPERATURE_LIMITS = (-2.3, 2.3)
+LIMITS = ((-10.0, 10.0), (-2.3, 2.3))  # of the offset, and of the temperature's logarithm
 
 
 @dataclass(frozen=True)
@@ -135,8 +134,7 @@ def fit_logistic(ridges):
         return np.logaddexp(0, sign * (ridges.logits - offset) * np.exp(-log_temperature)).mean()
 
     # If all pixels are hits, or none is, the best offset lies at infinity: limits keep it finite.
-    limits = [OFFSET_LIMITS, LOG_TEMPERATURE_LIMITS]
-    found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=limits)
+    found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=LIMITS)
     offset, log_temperature = found.x
     return float(offset), float(np.exp(log_temperature))
 

@@ -42,9 +42,9 @@ def downwards(pieces):
 
 
 def _ends(pieces):
-    """First and last range line of every piece, (piece,)."""
-    first = np.array([piece.line[0] for piece in pieces], dtype=int)
-    return first, np.array([piece.line[-1] for piece in pieces], dtype=int)
+    """First and last range line of every piece, (2, piece)."""
+    ends = [piece.line[[0, -1]] for piece in pieces]
+    return np.array(ends, dtype=int).reshape(-1, 2).T
 
 
 def _rows_at(line, pieces, ends):

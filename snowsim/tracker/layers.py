@@ -93,14 +93,16 @@ def layers_of_frame(canonical, pieces, first_line):
     # A chain straight across a gap may touch a surface that jumps, or another chain.
     rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
     rows[crossing_layers(rows)] = np.nan
-    variables = _variables(canonical, rows, np.array(sure_of_rows))
-    layers = _dataset(variables, numbers, canonical.echogram)
+    layers = _dataset(canonical, numbers, rows, np.array(sure_of_rows))
     check_layers(layers, "picks")
     return layers
 
 
-def _variables(canonical, rows, sure):
-    """Variables of picks at canonical rows, and of how sure they are, (layer, range_line)."""
+def _dataset(canonical, numbers, rows, sure):
+    """Picks at canonical rows, and how sure they are, (layer, range_line), as layers by number.
+
+    Positions, times and attributes are those of their echogram.
+    """
     half = half_width_rows(sure) * canonical.grid.bin_s
     twtt = canonical.grid.twtt(rows)
     quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))
@@ -114,11 +116,7 @@ def _variables(canonical, rows, sure):
     variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
     variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
-    return variables
-
-
-def _dataset(variables, numbers, echogram):
-    """Variables with the positions, times and attributes of their echogram."""
+    echogram = canonical.echogram
     for name in ALONG_TRACK:
         variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
     coordinates = {"layer": numbers, "slow_time": echogram["slow_time"].values}

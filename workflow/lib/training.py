@@ -64,7 +64,9 @@ class TrainingRun:
         saved = self.training.step
         for step, losses in steps:
             self._losses.append({"step": step, **losses})
-            self._log(losses, step)
+            if step % LOGGED_EVERY == 0:
+                for name, value in losses.items():
+                    self._events.add_scalar(f"loss/{name}", value, step)
             if step % SHOWN_EVERY == 0:
                 shown = ", ".join(f"{name}={value:.4g}" for name, value in losses.items())
                 bar.set_postfix_str(shown, refresh=False)
@@ -93,11 +95,6 @@ class TrainingRun:
         losses = pd.DataFrame(arrays["losses"], columns=metadata["columns"])
         self._losses = losses.to_dict("records")
         logger.info("goes on from %s after %d steps", self._path, metadata["step"])
-
-    def _log(self, losses, step):
-        if step % LOGGED_EVERY == 0:
-            for name, value in losses.items():
-                self._events.add_scalar(f"loss/{name}", value, step)
 
 
 @contextmanager

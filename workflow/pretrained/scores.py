@@ -48,8 +48,7 @@ def read_calibration(path):
 
 def read_confidence(path):
     """Coefficients of `snowsim.tracker.confidence` in a table of one row, (offset, near, far)."""
-    row = read_table(path).iloc[0]
-    return tuple(float(row[name]) for name in ("offset", "near", "far"))
+    return tuple(read_table(path).loc[0, ["offset", "near", "far"]])
 
 
 @dataclass(frozen=True, eq=False)
