@@ -160,8 +160,8 @@ def canonical(echogram, card, where="echogram"):
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     if echogram.attrs.get("source_format") != "image":
         notes.extend(filter(None, [why_no_power(echogram)]))
-    levels_db = (noise_floor_db, maximum_db, survey.largest_db)
-    return Canonical(echogram, grid, *levels_db, notes, outside)
+    surface_db = survey.largest_db
+    return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes, outside)
 
 
 def _check(echogram, card, where):

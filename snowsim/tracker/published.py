@@ -68,8 +68,7 @@ def published_optimiser(network, settings, _):
     and in a small network that call takes longer than the arithmetic.
     ValueError for settings that do not apply to copies of whole scenes.
     """
-    cut = settings.n_range_bins or settings.n_range_lines
-    if settings.batch_size > 1 or cut:
+    if settings.batch_size > 1 or settings.n_range_bins or settings.n_range_lines:
         msg = "network published: expected batch_size 1 and no crop"
         raise ValueError(msg)
     groups = {}

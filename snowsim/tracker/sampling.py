@@ -74,17 +74,15 @@ class TrainingSet:
     def source(self, position):
         """Numbers (set, scene) of the scene at `position`; set 0 is the real one."""
         epoch = position // self.n_per_epoch
-        slot = self._drawn(self.n_per_epoch, position, "order")
+        slot = draw_index(self.n_per_epoch, position, self._seed, "training set", "order")
         n_real = len(self._sets[0])
         if slot < n_real:
             return 0, slot
         before, within = divmod(slot - n_real, self._n_added)
         number = before + 1
         draw = epoch * self._n_added + within
-        return number, self._drawn(len(self._sets[number]), draw, number)
-
-    def _drawn(self, n, position, key):
-        return draw_index(n, position, self._seed, "training set", key)
+        n_scenes = len(self._sets[number])
+        return number, draw_index(n_scenes, draw, self._seed, "training set", number)
 
     def __getitem__(self, position):
         number, scene = self.source(position)

@@ -61,8 +61,7 @@ class Training(Resumable):
         self.network = network_of(settings)
         self.network.initialise(rng=random_stream(seed, "tracker", "network"))
         super().__init__("tracker", settings, seed, device, {"network": self.network})
-        is_published = settings.network == "published"
-        make = published_optimiser if is_published else optimiser_of
+        make = published_optimiser if settings.network == "published" else optimiser_of
         self.optimiser = make(self.network, settings, device)
         self.optimisers["optimiser"] = self.optimiser
 

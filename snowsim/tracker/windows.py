@@ -33,9 +33,8 @@ def runner(weights, temperature=1.0, where="weights"):
     options.inter_op_num_threads = 1
     # Windows differ in size: what was kept for the largest would stay.
     options.enable_cpu_mem_arena = False
-    providers = ["CPUExecutionProvider"]
     try:
-        session = onnxruntime.InferenceSession(weights, options, providers=providers)
+        session = onnxruntime.InferenceSession(weights, options, ["CPUExecutionProvider"])
     except Exception as error:  # of a kind that onnxruntime does not export
         msg = f"{where}: expected an ONNX network, {type(error).__name__}"
         raise ValueError(msg) from error

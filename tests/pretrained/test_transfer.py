@@ -25,7 +25,7 @@ from pretrained.scores import (
     score_tracker,
 )
 from pretrained.transfer import check_flights, reference_of, scale_of
-from snowsim.tracker import Calibration, fused_logits
+from snowsim.tracker import CONFIDENCE, Calibration, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]
 SURE = Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
@@ -142,7 +142,7 @@ def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
 
 def test_a_tracker_that_sees_the_layers_scores_well_in_every_way():
     scenes = list(map(with_ridges, toy_scenes(2)))
-    scores = score_tracker(Calibrated(Brightness(), SURE), scenes, (1, 1))
+    scores = score_tracker(Calibrated(Brightness(), SURE, CONFIDENCE), scenes, (1, 1))
     assert scores["ods"] > 0.95
     assert scores["f"] > 0.9
     assert scores["missed_share"] == scores["false_share"] == 0

@@ -60,8 +60,9 @@ def train(
     settings = Settings(**settings)
     with ExitStack() as opened:
         opened.enter_context(enough_memory(f"a tracker of width {settings.width}"))
-        sets = [opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan) if paths]
-        observed, *added = sets
+        observed, *added = [
+            opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan) if paths
+        ]
         scenes, settings = compose(observed, added, settings, n_epochs, seed, **data)
         made_of = {
             "settings": dataclasses.asdict(settings),

@@ -120,7 +120,10 @@ def varied_scenes(flight, variant, n_scenes, *, n_range_lines, phy, seed):
     `EVERY` is the flight itself.
     """
     phy = phy | {"n_looks": None}
-    statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
+    if variant % EVERY:
+        statistics = varied(flight, rng=random_stream(seed, "varied", variant))
+    else:
+        statistics = changed(flight, Variation())
     # Lines farther apart are lines left out.
     spacing = statistics.attrs["varied_line_spacing"]
     lines = (np.arange(n_range_lines) * spacing).astype(int)
@@ -138,13 +141,6 @@ def varied_scenes(flight, variant, n_scenes, *, n_range_lines, phy, seed):
         cluttered = dataclasses.replace(drawn, echoes=echoes)
         rendered = render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
         yield in_bins(rendered, statistics.attrs["varied_bin_size"])
-
-
-def variant_of(flight, variant, *, rng):
-    """Statistics of one variant, by its number."""
-    if variant % EVERY:
-        return varied(flight, rng=rng)
-    return changed(flight, Variation())
 
 
 def on_lines(scene, lines):

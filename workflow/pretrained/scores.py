@@ -14,7 +14,6 @@ from snowsim.io.files import read_table
 from snowsim.metrics.edges import score
 from snowsim.metrics.picks import layer_rows
 from snowsim.tracker import (
-    CONFIDENCE,
     WITHIN_BINS,
     Calibration,
     between_lines,
@@ -38,7 +37,7 @@ class Calibrated:
 
     network: torch.nn.Module
     calibration: Calibration
-    confidence: tuple = CONFIDENCE
+    confidence: tuple
 
 
 def read_calibration(path):
@@ -93,14 +92,13 @@ def reliability_of(picks, scenes, scale=AS_THEY_ARE):
 
     Hits lie within 2 bins of the size that the tracker saw.
     """
-    within_bins = WITHIN_BINS / scale[0]
     sure = []
     hits = []
     for each, scene in zip(picks, scenes, strict=True):
         picked = np.isfinite(each.bins)
         line = np.nonzero(picked)[1]
         sure.append(each.sure[picked])
-        hits.append(near_a_layer(each.bins[picked], line, scene, within_bins))
+        hits.append(near_a_layer(each.bins[picked], line, scene, WITHIN_BINS / scale[0]))
     return reliability(np.concatenate(sure), np.concatenate(hits))
 
 
