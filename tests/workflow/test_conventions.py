@@ -8,7 +8,6 @@ from runs import (
     SNAKEMAKE,
     call,
     copy_source,
-    parsed,
     rules_planned,
     run_snakemake,
     source_tree,
@@ -37,16 +36,6 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
         listed |= dict(re.findall(r"^  (\w+) {2,}(\S.*)$", lines, flags=re.MULTILINE))
     assert set(listed) >= TARGETS
     assert set(listed) == {rule.name for rule in rules if not rule.output} - {"help"}
-
-
-def test_both_snakefiles_plan_the_same_jobs(tmp_path):
-    def plan(snakefile):
-        jobs = parsed(tmp_path, targets=["all"], snakefile=snakefile).dag.jobs
-        return sorted((job.rule.name, *job.input, *job.output) for job in jobs)
-
-    ours, theirs = map(plan, ("Snakefile", "workflow/Snakefile"))
-    assert len(ours) > 40
-    assert ours == theirs
 
 
 def test_the_main_path_plans_both_tables_without_what_judges_it(tmp_path):

@@ -52,24 +52,17 @@ def test_every_image_of_every_scene_decodes_and_has_alt_text(page):
         assert page.evaluate(bad) == 0
 
 
-def place(page):
-    """Range bin and range line that the readout names."""
-    text = page.locator("#readout").inner_text()
-    found = re.match(r"range bin (\d+), range line (\d+)", text)
-    return int(found[1]), int(found[2])
-
-
 def test_the_depth_cursor_follows_the_pointer(page):
     stage = page.locator("#panels .stage.observed")
     stage.scroll_into_view_if_needed()
     box = stage.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
     n_rows = int(page.locator("#readout").get_attribute("aria-valuemax")) + 1
-    row, line = place(page)
+    readout = page.locator("#readout").inner_text()
+    row, line = map(int, re.match(r"range bin (\d+), range line (\d+)", readout).groups())
     # A pixel of the screen is a few of the scene.
     assert abs(row - n_rows / 2) < 5
     assert abs(line - 64) < 5
-    readout = page.locator("#readout").inner_text()
     delay_ns = float(re.search(r"([\d.-]+) ns two-way from the surface", readout)[1])
     depth_m = float(re.search(r"([\d.]+) m deep in snow", readout)[1])
     # Snow of 340 kg m-3; rounded to 0.1 ns and 1 cm.
