@@ -12,7 +12,6 @@ from snowsim.tracker import (
     Candidates,
     Piece,
     confidence,
-    find_candidates,
     half_width_rows,
     join,
     link,
@@ -35,15 +34,6 @@ def rows_of(pieces, n_lines):
     for number, piece in enumerate(pieces):
         rows[number, piece.line] = piece.row
     return rows
-
-
-def test_peaks_of_a_parabola_are_its_vertices():
-    row = np.arange(40)[:, None]
-    vertex = np.array([10.3, 20.0, 29.6])
-    found = find_candidates(5 - (row - vertex) ** 2, -0.5)
-    assert_array_equal(found.first, [0, 1, 2, 3])
-    assert_allclose(found.row, vertex, atol=1e-5)  # float32
-    assert_array_equal(found.line, [0, 1, 2])
 
 
 def test_the_way_through_a_fade_is_the_one_with_more_evidence():
