@@ -43,6 +43,8 @@ ECHOES = {
     "decay_factor": ("f8", "scene", "1"),
     "speckle_correlation": ("f8", "scene", "1"),
 }
+# Which variable tells how many rows another has.
+COUNTED = {"layer_bins": "n_layers", "complete_layer_bins": "n_complete_layers", "kind": "n_rows"}
 # How many rows a scene has along a dimension.
 COUNTS = {
     "pixel_row": "n_range_bins",
@@ -50,7 +52,6 @@ COUNTS = {
     "complete_row": "n_complete_layers",
     "row": "n_rows",
 }
-LENGTHS = {"n_layers", "n_complete_layers", "n_rows"}  # that the arrays of a scene tell themselves
 
 
 def write_scenes(path, scenes, attributes=None):
@@ -94,9 +95,9 @@ def write_scenes(path, scenes, attributes=None):
 def _values(record, table):
     """What the file holds of a scene, or of its echoes if it has any, by name."""
     values = {name: getattr(record, name, None) for name in table}
-    for name, (_, first, _) in table.items():
-        if first in COUNTS and values[name] is not None:
-            values[COUNTS[first]] = len(values[name])
+    for name, count in COUNTED.items():
+        if values.get(name) is not None:
+            values[count] = len(values[name])
     if "notes" in values:
         values["notes"] = json.dumps(record.notes, sort_keys=True)
     return {name: value for name, value in values.items() if value is not None}
@@ -177,7 +178,11 @@ class SceneSet:
         with library_errors(file.filepath(), f"scene {index}: expected one that can be read"):
             values, *held = (group.read(index) for group in groups)
             for echoes in held:
+                del echoes["n_rows"]
                 values["echoes"] = Echoes(**echoes)
+            for name, count in COUNTED.items():
+                if values.pop(count, None) is not None:
+                    values[name] = values[name].astype(float)
             return Scene(**values | {"notes": json.loads(values["notes"])})
 
     def close(self):
@@ -203,18 +208,16 @@ class _Group:
             if row != "scene":
                 ends = np.cumsum(group[COUNTS[row]][:])
                 self._arrays[name] = (variable, np.append(0, ends))
-            elif name not in LENGTHS:
+            else:
                 self._columns[name] = variable[:] if variable.ndim > 1 else variable[:].tolist()
 
     def read(self, index):
         """What is held of one scene, by name."""
         values = {name: column[index] for name, column in self._columns.items()}
         for name, (variable, ends) in self._arrays.items():
-            rows = np.asarray(variable[ends[index] : ends[index + 1]])
-            values[name] = rows
-            if rows.dtype.kind == "f":
-                values[name] = rows.astype(float)
-                if (rows == variable.get_fill_value()).any():
-                    msg = f"{name}: expected numbers, found values that were never written"
-                    raise BadFile(msg)
+            values[name] = np.asarray(variable[ends[index] : ends[index + 1]])
+            is_float = variable.dtype.kind == "f"
+            if is_float and (values[name] == variable.get_fill_value()).any():
+                msg = f"{name}: expected numbers, found values that were never written"
+                raise BadFile(msg)
         return values

@@ -26,7 +26,7 @@ MODULES = {
     "inputs": ("canonical",),
     "joining": ("join",),
     "layers": ("between_lines", "confidence", "features", "half_width_rows", "likely", "on_lines"),
-    "linking": ("Candidates", "Piece", "find_candidates", "link"),
+    "linking": ("Candidates", "Linking", "Piece", "find_candidates", "link"),
     "network": ("MultiScaleNetwork", "balanced_cross_entropy", "fused_logits", "track"),
     "picks": (
         "deepest_row",

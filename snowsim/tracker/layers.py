@@ -11,7 +11,7 @@ from scipy.special import expit
 
 from snowsim.echogram import check_layers, crossing_layers
 from snowsim.frames import FLAGGED_BY, flagged_lines
-from snowsim.tracker.linking import LONGEST_LINES
+from snowsim.tracker.linking import LINKING
 
 GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
@@ -140,11 +140,11 @@ def doubtful_lines(canonical):
 def on_lines(piece, values, lines):
     """Values of the picks of a piece on range lines of the image, NaN where it has none.
 
-    Lines that its chain skips, `LONGEST_LINES` at most, are filled straight.
+    Lines that its chain skips, `LINKING.longest_lines` at most, are filled straight.
     """
     after = np.minimum(np.searchsorted(piece.line, lines).clip(1), piece.line.size - 1)
     gap = piece.line[after] - piece.line[after - 1]
-    within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= LONGEST_LINES)
+    within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= LINKING.longest_lines)
     known = within | np.isin(lines, piece.line)
     return np.where(known, np.interp(lines, piece.line, values), np.nan)
 

@@ -10,15 +10,41 @@ NONE = -1
 NARROW = 256  # range lines of the scenes it was chosen on
 
 
-# How candidates make chains; chosen on flights that no score is reported of.
-MOST_LOG_ODDS = 1.0  # so much a candidate speaks at most for a layer, or against it
-LONGEST_LINES = 6  # from one candidate of a chain to the next, at most
-SKIPPED_LOG_ODDS = 0.5  # what a line without a candidate costs
-BEND_LOG_ODDS = 0.5  # what a step of one row in one line costs; it grows with the square
-STEEPEST_ROWS = 2.5  # that a chain moves in one line, at most
-APART_ROWS = 4.0  # that chains keep from each other
-# What a chain must gather; on fewer than `NARROW` range lines, in proportion to them.
-EVIDENCE_LOG_ODDS = 55.0
+class Linking(NamedTuple):
+    """How candidates make chains; chosen on flights that no score is reported of.
+
+    Attributes
+    ----------
+    even_log_odds : float
+        Log-odds, less those of the tracker's threshold, at which a candidate speaks neither for nor
+        against a layer.
+    most_log_odds : float
+        So much a candidate speaks at most for a layer, or against it.
+    longest_lines : int
+        Range lines from one candidate of a chain to the next, at most.
+    skipped_log_odds : float
+        What a line without a candidate costs.
+    bend_log_odds : float
+        What a step of one row in one line costs; it grows with the square.
+    steepest_rows : float
+        Rows that a chain moves in one line, at most.
+    apart_rows : float
+        Rows that chains keep from each other.
+    evidence_log_odds : float
+        What a chain must gather; on fewer than `NARROW` range lines, in proportion to them.
+    """
+
+    even_log_odds: float = 0.0
+    most_log_odds: float = 1.0
+    longest_lines: int = 6
+    skipped_log_odds: float = 0.5
+    bend_log_odds: float = 0.5
+    steepest_rows: float = 2.5
+    apart_rows: float = 4.0
+    evidence_log_odds: float = 55.0
+
+
+LINKING = Linking()
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +81,11 @@ class Candidates:
     @staticmethod
     def concatenated(parts):
         """Candidates of stretches of range lines, one after another."""
-        n_by_line = np.concatenate([np.diff(part.first) for part in parts])
+        n_before = np.cumsum([0, *(part.row.size for part in parts)])
+        firsts = [part.first[:-1] + n for part, n in zip(parts, n_before[:-1], strict=True)]
+        first = np.concatenate([*firsts, n_before[-1:]])
         rows = np.concatenate([part.row for part in parts])
-        log_odds = np.concatenate([part.log_odds for part in parts])
-        return Candidates(np.r_[0, np.cumsum(n_by_line)], rows, log_odds)
+        return Candidates(first, rows, np.concatenate([part.log_odds for part in parts]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,20 +97,21 @@ class Piece:
     excess: np.ndarray
 
     def at(self, line):
-        """Row at a range line, straight between those of the chain."""
-        # Only what lies around it: a chain may run through a whole segment.
-        first = max(0, np.searchsorted(self.line, line, "right") - 1)
-        around = slice(first, np.searchsorted(self.line, line) + 1)
-        return float(np.interp(line, self.line[around], self.row[around]))
+        """Rows at range lines, straight between those of the chain."""
+        # Only what lies around them: a chain may run through a whole segment.
+        first = max(0, np.searchsorted(self.line, np.min(line), "right") - 1)
+        around = slice(first, np.searchsorted(self.line, np.max(line)) + 1)
+        return np.interp(line, self.line[around], self.row[around])
 
 
-def find_candidates(log_odds, threshold):
+def find_candidates(log_odds, linking, threshold):
     """Peaks of a map (row, range_line) that chains may take, each at the vertex of a parabola.
 
     A peak of several equal rows lies in their middle. `threshold` is that of `link`.
     """
+    floor = threshold + linking.even_log_odds - linking.skipped_log_odds
     log_odds = np.ascontiguousarray(log_odds.T, dtype=np.float32)
-    return Candidates(*_peaks(log_odds, threshold - SKIPPED_LOG_ODDS))
+    return Candidates(*_peaks(log_odds, floor))
 
 
 @njit(cache=True)
@@ -115,21 +143,22 @@ def _peaks(log_odds, floor):
     return first, row[:n].copy(), height[:n].copy()
 
 
-def link(candidates, threshold):
+def link(candidates, linking, threshold):
     """Pieces of layers, list of `Piece`, strongest first; none cross and none share a candidate.
 
-    A chain may begin and end anywhere. It gathers what its candidates have above the threshold,
+    A chain may begin and end anywhere. It gathers what its candidates have above `even_log_odds`,
     less what steps and skipped lines cost; the chain that gathers most is found by dynamic
     programming over range lines (a local alignment: Smith & Waterman, 1981, J. Mol. Biol. 147,
     195-197). Chains are taken from the best downwards; one that meets another is sought anew among
     what is left. `threshold` is that of the tracker, as log-odds.
     """
     line = candidates.line
-    excess = candidates.log_odds - threshold
-    gain = np.clip(excess, -MOST_LOG_ODDS, MOST_LOG_ODDS)
-    evidence = EVIDENCE_LOG_ODDS * min(1, candidates.n_lines / NARROW)
+    excess = candidates.log_odds - (threshold + linking.even_log_odds)
+    gain = np.clip(excess, -linking.most_log_odds, linking.most_log_odds)
+    evidence = linking.evidence_log_odds * min(1, candidates.n_lines / NARROW)
+    rules = linking._replace(evidence_log_odds=evidence)
     taken = _nothing_taken(line.size)
-    _take_chains(_Peaks(candidates.first, line, candidates.row, gain), evidence, taken)
+    _take_chains(_Peaks(candidates.first, line, candidates.row, gain), rules, taken)
     chains = taken.chain
     members = np.flatnonzero(chains >= 0)
     members = members[np.argsort(chains[members], kind="stable")]
@@ -164,14 +193,16 @@ class _Taken(NamedTuple):
 
 
 def _nothing_taken(n):
-    chain, above, below, start, stop = np.full((5, n), NONE, np.int32)
-    far = np.full(n, np.inf, np.float32)
-    return _Taken(chain, np.ones(n, bool), above, -far, below, far, start, stop)
+    above_row = np.full(n, -np.inf, np.float32)
+    numbers = [np.full(n, NONE, np.int32) for _ in range(5)]
+    return _Taken(
+        numbers[0], np.ones(n, bool), numbers[1], above_row, numbers[2], -above_row, *numbers[3:]
+    )
 
 
 @njit(cache=True)
-def _take_chains(peaks, evidence, taken):
-    """Take chains until none is left that gathers so much."""
+def _take_chains(peaks, rules, taken):
+    """Take chains until none is left that gathers enough."""
     n_chains = 0
     total = np.empty(peaks.row.size, np.float32)
     before = np.empty(peaks.row.size, np.int64)
@@ -179,26 +210,26 @@ def _take_chains(peaks, evidence, taken):
     while n_chains > n_before:
         n_before = n_chains
         for at in range(peaks.first.size - 1):
-            _extend(at, peaks, taken, total, before)
-        ends = np.flatnonzero(total >= evidence)
+            _extend(at, peaks, rules, taken, total, before)
+        ends = np.flatnonzero(total >= rules.evidence_log_odds)
         meets = ~taken.free
         for end in ends[np.argsort(-total[ends], kind="mergesort")]:
             members = _trace(end, peaks, taken, before, meets)
             if members.size:
-                _take(n_chains, members, peaks, taken)
+                _take(n_chains, members, peaks, rules.apart_rows, taken)
                 n_chains += 1
 
 
 @njit(cache=True)
-def _extend(at, peaks, taken, total, before):
+def _extend(at, peaks, rules, taken, total, before):
     """What the best chain that ends at each candidate of a line gathers, and the one before."""
     first, _, row, gain = peaks
     here = slice(first[at], first[at + 1])
     total[here] = 0
     before[here] = NONE
-    for gap in range(1, min(LONGEST_LINES, at) + 1):
-        reach = STEEPEST_ROWS * (0.75 + 0.25 * gap)
-        lost = SKIPPED_LOG_ODDS * (gap - 1)
+    for gap in range(1, min(rules.longest_lines, at) + 1):
+        reach = rules.steepest_rows * (0.75 + 0.25 * gap)
+        lost = rules.skipped_log_odds * (gap - 1)
         nearest = first[at - gap]
         for c in range(first[at], first[at + 1]):
             if not taken.free[c]:
@@ -209,7 +240,7 @@ def _extend(at, peaks, taken, total, before):
                 step = row[c] - row[q]
                 if step < -reach:
                     break
-                gathered = total[q] - lost - BEND_LOG_ODDS * step * step / gap
+                gathered = total[q] - lost - rules.bend_log_odds * step * step / gap
                 if gathered > total[c] and _uncrossed(q, c, peaks, taken):
                     total[c] = gathered
                     before[c] = q
@@ -223,16 +254,19 @@ def _trace(end, peaks, taken, before, meets):
     members = np.empty(peaks.first.size, np.int64)
     size = 0
     c = end
-    while c != NONE:
+    fits = True
+    while fits and c != NONE:
+        q = before[c]
+        fits = taken.free[c] and not meets[c]
+        if fits and q != NONE:
+            fits = _uncrossed(q, c, peaks, taken)
         members[size] = c
         size += 1
-        q = before[c]
-        fits = taken.free[c] and not meets[c] and (q == NONE or _uncrossed(q, c, peaks, taken))
-        if not fits:
-            meets[members[:size]] = True
-            return members[:0]
         c = q
-    return members[:size][::-1]
+    if fits:
+        return members[:size][::-1]
+    meets[members[:size]] = True
+    return members[:0]
 
 
 @njit(cache=True)
@@ -240,8 +274,9 @@ def _uncrossed(q, c, peaks, taken):
     """Whether no chain passes between two candidates, q before c."""
     left = peaks.line[q]
     right = peaks.line[c]
-    same_above = _same(taken.above[q], taken.above[c], left, right, taken)
-    return same_above and _same(taken.below[q], taken.below[c], left, right, taken)
+    if not _same(taken.above[q], taken.above[c], left, right, taken):
+        return False
+    return _same(taken.below[q], taken.below[c], left, right, taken)
 
 
 @njit(cache=True)
@@ -255,7 +290,7 @@ def _same(beside_left, beside_right, left, right, taken):
 
 
 @njit(cache=True)
-def _take(number, members, peaks, taken):
+def _take(number, members, peaks, apart, taken):
     """Take candidates of a chain and those too near to it; tell others on which side it is."""
     first, line, row, _ = peaks
     taken.start[number] = line[members[0]]
@@ -272,7 +307,7 @@ def _take(number, members, peaks, taken):
             share = (at - line[left]) / (line[right] - line[left])
             here += share * (row[right] - row[left])
         for c in range(first[at], first[at + 1]):
-            if abs(row[c] - here) < APART_ROWS:
+            if abs(row[c] - here) < apart:
                 taken.free[c] = False
             if here <= row[c] and here > taken.above_row[c]:
                 taken.above_row[c] = here

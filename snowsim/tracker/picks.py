@@ -11,7 +11,7 @@ from snowsim.limits import check_values
 from snowsim.tracker.inputs import Canonical
 from snowsim.tracker.joining import downwards, join
 from snowsim.tracker.layers import confidence, layers_of_frame, likely, on_lines
-from snowsim.tracker.linking import APART_ROWS, Candidates, Piece, find_candidates, link
+from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
 # A candidate so near to the surface is the surface.
@@ -25,7 +25,7 @@ def pieces_in(log_odds, threshold):
 
     `threshold` are the log-odds from which a peak speaks for a layer.
     """
-    return link(find_candidates(log_odds, threshold), threshold)
+    return link(find_candidates(log_odds, LINKING, threshold), LINKING, threshold)
 
 
 def rows_in(log_odds, threshold):
@@ -85,7 +85,7 @@ def pick_layers(probability, *, threshold, where="image"):
 class Evidence:
     """What the network saw in a frame, whose samples are not kept.
 
-    `surface` are rows, and `surface_excess` log-odds above the threshold, on range lines of the
+    `surface` are rows, and `surface_excess` log-odds above even ones, on range lines of the
     image.
     """
 
@@ -101,7 +101,7 @@ def evidence_of(run, canonical, card):
     grid = canonical.grid
     parts = []
     for _, log_odds, image in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
-        found = find_candidates(log_odds, threshold)
+        found = find_candidates(log_odds, LINKING, threshold)
         deepest = deepest_row(image, canonical.grey(card.echo_db))
         parts.append(found.where(found.row <= deepest[found.line]))
     without_samples = replace(canonical, echogram=canonical.echogram.drop_vars("Data"))
@@ -127,9 +127,9 @@ def _split_surface(canonical, candidates, threshold):
     near = np.flatnonzero(np.abs(off) <= SURFACE_ROWS)
     near = near[np.argsort(-np.abs(off[near]), kind="stable")]  # the nearest comes last, and stays
     rows[line[near]] = candidates.row[near]
-    excess[line[near]] = candidates.log_odds[near] - threshold
-    below = candidates.row > rows[line] + APART_ROWS
-    inside = candidates.row < grid.bottom[line] - APART_ROWS
+    excess[line[near]] = candidates.log_odds[near] - (threshold + LINKING.even_log_odds)
+    below = candidates.row > rows[line] + LINKING.apart_rows
+    inside = candidates.row < grid.bottom[line] - LINKING.apart_rows
     return Evidence(canonical, candidates.where(below & inside), rows, excess)
 
 
@@ -140,7 +140,7 @@ def layers_of_frames(frames, card):
     """
     candidates = Candidates.concatenated([frame.candidates for frame in frames])
     n_lines = candidates.n_lines
-    found = join(link(candidates, card.threshold_log_odds))
+    found = join(link(candidates, LINKING, card.threshold_log_odds))
     surface = _surface(frames)
     sure = confidence(surface, n_lines, card.confidence)
     pieces = [(surface, sure), *likely(found, n_lines, card.confidence)]

@@ -10,6 +10,7 @@ from refusals import refusal
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.tracker import (
     Candidates,
+    Linking,
     Piece,
     confidence,
     half_width_rows,
@@ -42,7 +43,7 @@ def test_the_way_through_a_fade_is_the_one_with_more_evidence():
     for line in range(260):
         fade = 120 <= line < 140
         lines.append([(50.0, 0.1), (56.0, 1.0)] if fade else [(50.0, 1.0)])
-    (piece, *_) = link(candidates_of(lines), EVEN)
+    (piece, *_) = link(candidates_of(lines), Linking(), EVEN)
     assert_array_equal(piece.row, 50)  # two steps of 6 rows cost more than a fade gains
 
 
@@ -55,10 +56,8 @@ def test_layers_never_cross_whatever_the_candidates_are(seed):
     for _ in range(n_lines):
         rows = np.unique(rng.uniform(0, 60, rng.integers(0, 25)).round(1))
         lines.append([(row, rng.normal(0.6, 1)) for row in rows])
-    with pytest.MonkeyPatch.context() as changed:
-        # So that many chains are taken.
-        changed.setattr("snowsim.tracker.linking.EVIDENCE_LOG_ODDS", 12.0)
-        pieces = link(candidates_of(lines), EVEN)
+    # So that many chains are taken.
+    pieces = link(candidates_of(lines), Linking(evidence_log_odds=12.0), EVEN)
     check_layer_bins(rows_of(join(pieces), n_lines))
 
 
