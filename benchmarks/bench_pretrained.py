@@ -59,7 +59,7 @@ def scenes_of(flight):
         for seed in (LINE_SEED, flight["seed"])
     )
     climate = dataclasses.replace(climate, track_seed=own.track_seed)
-    share, _ = scale_of(flight, default["radar"])
+    share, _ = scale_of(flight, default)
     common = {"climate": climate, "settings": settings, "n_looks": flight.get("n_looks", LOOKS)}
     for number in range(N_SCENES):
         rng = random_stream(flight["seed"], "reference_scenes", "test", number)
