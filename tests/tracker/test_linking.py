@@ -185,7 +185,7 @@ def test_an_echogram_in_windows_gives_what_the_whole_gives(multi_scale, rng, siz
 
     def logits(window):
         for name in ("WINDOW_ROWS", "WINDOW_LINES"):
-            monkeypatch.setattr(f"snowsim.tracker.windows.{name}", window)
+            monkeypatch.setitem(log_odds_by_lines.__globals__, name, window)
         parts = log_odds_by_lines(multi_scale, cut, *size)
         return np.concatenate([part for _, part, _ in parts], axis=1)
 
