@@ -29,7 +29,7 @@ from snowsim.seeding import random_stream
 from snowsim.tracker import calibrate, fused_logits
 
 N_SCENES = 12
-N_VARIANTS, N_FIRN, FIRN_SEED = 3, 12, 1177
+N_FIRN, FIRN_SEED = 36, 1177
 N_ROUNDS = 20
 LINE_SEED, LOOKS = 20120429, 16  # of the default configuration
 FLIGHTS = [
@@ -107,8 +107,7 @@ def main():
     paths = sys.argv[1:] or ["results/pretrained/network.safetensors"]
     flights = [list(scenes_of(flight)) for flight in FLIGHTS]
     statistics = read_dataset("snowsim/data/reference_flight.nc")
-    drawn = {"n_scenes": N_FIRN, "n_range_lines": 256, "seed": FIRN_SEED}
-    firn = list(firn_scenes(statistics, range(N_VARIANTS), **drawn))
+    firn = list(firn_scenes(statistics, 0, N_FIRN, n_range_lines=256, seed=FIRN_SEED))
     rows = []
     for path in paths:
         tracker = read_tracker(path)
