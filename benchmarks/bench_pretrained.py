@@ -17,7 +17,7 @@ import pandas as pd
 import torch
 
 from lib.tracker_scores import read_tracker
-from pretrained.confidence import pick_curve, threshold_of
+from pretrained.confidence import fit_confidence, pick_curve, threshold_of
 from pretrained.resizing import in_bins
 from pretrained.scenes import firn_scenes
 from pretrained.scores import Calibrated, followed, pick_scores
@@ -78,7 +78,7 @@ def scored(network, flights, firn):
     calibration = calibrate(logits, held)
     curve = pick_curve(logits, held, calibration)
     calibration = dataclasses.replace(calibration, threshold=threshold_of(curve))
-    tracker = Calibrated(network, calibration)
+    tracker = Calibrated(network, calibration, fit_confidence(logits, held, calibration))
 
     def of_picks(logits, scenes):
         """F and share of false pieces."""
