@@ -43,6 +43,7 @@ THICK = 1.7
 CONTRADICTION = 4  # factor of mass, likewise, from which on years of names are refused
 MISCOUNT = 0.5  # years above the first horizon, or their error, from which on a warning says so
 LONG_YEARS = 12  # number of years between two picks from which on a warning says so
+N_TIMES = 500  # travel times at which depth is tabulated
 DENSITY_SD_KG_M3 = 30.0  # of a year's snow about the profile: cores, 18-39
 NINE_OF_TEN = 1.645  # standard deviations to either side that hold nine of ten
 LEAST_SURE = 0.8  # smallest confidence in a count of years without a flag
@@ -444,13 +445,14 @@ def _by_year(layers, picks, column, dated, density_error):
     rows["depth_m"] += within * rows["thickness_m"]
     rows["age_error_years"] += within * rows.pop("error_step")
     found = _dataset(layers, rows)
-    found["depth_at"] = ("below_s", column.depth_m)
+    times_s = np.linspace(0, min(1.1 * np.nanmax(picks.below_s), column.twtt_s[-1]), N_TIMES)
+    found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
     first = (dated.above == 0) & (dated.age[:, None] == 0)
     open_m = np.fmin.reduce(np.where(first, dated.span_m, np.nan), axis=0)
     found["open_m_we"] = ("slow_time", open_m)
     uppermost = (dated.above == 0).sum(axis=1).argmax()
     _, *no_horizon = picks.names[(dated.above < 0).all(axis=1)]
-    return found.assign_coords(below_s=column.twtt_s).assign_attrs(
+    return found.assign_coords(below_s=times_s).assign_attrs(
         uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
         no_horizon=", ".join(no_horizon),
         n_below_profile=int(np.isfinite(picks.below_s).sum() - np.isfinite(depth_m).sum()),
