@@ -438,8 +438,7 @@ def _by_year(layers, picks, column, dated, density_error):
         "error_step": (dated.error[layer] - dated.error[upper]) / n_years,
         "flag": (sure < LEAST_SURE).astype(int),
     }
-    rows = pd.DataFrame(spans)
-    rows = rows.loc[rows.index.repeat(n_years)]
+    rows = pd.DataFrame(spans).loc[np.repeat(np.arange(n_years.size), n_years)]
     within = rows.groupby(level=0).cumcount()
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
@@ -448,8 +447,8 @@ def _by_year(layers, picks, column, dated, density_error):
     times_s = np.linspace(0, min(1.1 * np.nanmax(picks.below_s), column.twtt_s[-1]), N_TIMES)
     found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
     first = (dated.above == 0) & (dated.age[:, None] == 0)
-    open_m = np.fmin.reduce(np.where(first, dated.span_m, np.nan), axis=0)
-    found["open_m_we"] = ("slow_time", open_m)
+    open_m = np.where(first, dated.span_m, np.nan)
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(open_m, axis=0))
     uppermost = (dated.above == 0).sum(axis=1).argmax()
     _, *no_horizon = picks.names[(dated.above < 0).all(axis=1)]
     return found.assign_coords(below_s=times_s).assign_attrs(
