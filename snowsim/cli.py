@@ -118,8 +118,10 @@ def scene_set(source):
         kind = format_of(opened(source))
         if kind not in ECHOGRAMS:
             raise
-        msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
-        msg += "where there are none, snowsim track picks them"
+        msg = (
+            f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
+            "where there are none, snowsim track picks them"
+        )
         raise click.UsageError(msg) from error
 
 

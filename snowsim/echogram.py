@@ -194,14 +194,18 @@ def check_layer_bins(layer_bins, where="layer_bins"):
     """Raise ValueError, naming `where`, unless layers (layer, range_line) never cross."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     if layer_bins.ndim != 2 or np.isinf(layer_bins).any():
-        msg = f"{where}: layers (layer, range_line) must be finite or NaN, "
-        msg += f"got {np.isinf(layer_bins).sum()} infinite ones of shape {layer_bins.shape}"
+        msg = (
+            f"{where}: layers (layer, range_line) must be finite or NaN, "
+            f"got {np.isinf(layer_bins).sum()} infinite ones of shape {layer_bins.shape}"
+        )
         raise ValueError(msg)
     crossing = crossing_layers(layer_bins)
     if crossing.any():
         layer, line = np.argwhere(crossing)[0]
-        msg = f"{where}: layers must increase strictly with depth, "
-        msg += f"layer {layer} does not at range_line {line}"
+        msg = (
+            f"{where}: layers must increase strictly with depth, "
+            f"layer {layer} does not at range_line {line}"
+        )
         raise ValueError(msg)
 
 
@@ -230,8 +234,10 @@ def to_uint8(power):
     bad = ~((power > 0) & np.isfinite(power))
     if bad.any():
         row, line = np.argwhere(bad)[0]
-        msg = "power must be positive and finite, "
-        msg += f"got {power[row, line]} at range_bin {row}, range_line {line}"
+        msg = (
+            "power must be positive and finite, "
+            f"got {power[row, line]} at range_bin {row}, range_line {line}"
+        )
         raise ValueError(msg)
     power_db = 10 * np.log10(power)
     noise_floor_db = float(power_db.mean(axis=1, dtype=np.float64).min())
@@ -306,8 +312,8 @@ def check_echogram(echogram, where="echogram"):
         at = tuple(int(i) for i in np.argwhere(bad)[0])
         msg = (
             f"{where}: Data: expected linear power, finite or NaN and not negative (not decibels), "
+            f"got {data[at]} at {at}"
         )
-        msg += f"got {data[at]} at {at}"
         raise ValueError(msg)
     # A mask has two levels; the first rows tell power without a look at the rest.
     is_whole = (data[:2] == np.rint(data[:2])).all() and (data == np.rint(data)).all()
@@ -317,8 +323,10 @@ def check_echogram(echogram, where="echogram"):
     for name, largest in DEGREES.items():
         outside = np.abs(echogram[name].values) > largest  # NaN, where it is unknown, is not
         if outside.any():
-            msg = f"{where}: {name}: expected degrees within +-{largest}, "
-            msg += f"found {echogram[name].values[outside][0]:g}"
+            msg = (
+                f"{where}: {name}: expected degrees within +-{largest}, "
+                f"found {echogram[name].values[outside][0]:g}"
+            )
             raise ValueError(msg)
 
 
@@ -345,9 +353,11 @@ def layer_bins_of(layers, echogram):
     away = np.abs(theirs - ours)
     if ours.size > 1 and (2 * away > np.median(np.diff(ours))).any():
         line = int(away.argmax())
-        msg = f"layers: slow_time is not that of the echogram: range line {line} is at "
-        msg += f"{theirs[line]}, the echogram's at {ours[line]}; "
-        msg += "snowsim.frames.align_layers puts layers on its lines"
+        msg = (
+            f"layers: slow_time is not that of the echogram: range line {line} is at "
+            f"{theirs[line]}, the echogram's at {ours[line]}; "
+            "snowsim.frames.align_layers puts layers on its lines"
+        )
         raise ValueError(msg)
     return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
 
@@ -462,7 +472,9 @@ def _check_variables(dataset, axes, where):
     if not later.all():
         line = int(later.argmin())
         n_late = later.size - later.sum()
-        msg = f"{where}: slow_time must increase, as datetime64 (is {slow_time.dtype}): range line "
-        msg += f"{line} is not later than line "
-        msg += f"{line - 1} ({n_late} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
+        msg = (
+            f"{where}: slow_time must increase, as datetime64 (is {slow_time.dtype}): range line "
+            f"{line} is not later than line "
+            f"{line - 1} ({n_late} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
+        )
         raise ValueError(msg)

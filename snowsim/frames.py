@@ -60,8 +60,10 @@ def align_layers(layers, echogram, where="layers"):
     )
     spacing_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else -np.inf
     if theirs_s[0] > spacing_s or theirs_s[-1] + spacing_s < ours_s[-1]:
-        msg = f"{where}: slow_time: expected to cover {first_time} to {last_time}, found "
-        msg += f"{theirs_s.size} lines, {theirs_s[0]:.6g} to {theirs_s[-1]:.6g} s from the first on"
+        msg = (
+            f"{where}: slow_time: expected to cover {first_time} to {last_time}, found "
+            f"{theirs_s.size} lines, {theirs_s[0]:.6g} to {theirs_s[-1]:.6g} s from the first on"
+        )
         raise ValueError(msg)
     nearest = pd.Index(theirs_s).get_indexer(ours_s, method="nearest")
     picked = layers.transpose("layer", ...)
@@ -78,8 +80,10 @@ def align_layers(layers, echogram, where="layers"):
     first, last = echogram["twtt"].values[[0, -1]]
     outside = (twtt < first - half_bin) | (twtt > last + half_bin)  # NaN is not outside
     if outside.any():
-        msg = f"{where}: twtt: expected layers within the echogram's window, {first:.6g} to "
-        msg += f"{last:.6g} s, found {twtt[outside][0]:.6g} s"
+        msg = (
+            f"{where}: twtt: expected layers within the echogram's window, {first:.6g} to "
+            f"{last:.6g} s, found {twtt[outside][0]:.6g} s"
+        )
         raise ValueError(msg)
     variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
     for name in ("quality", "type"):

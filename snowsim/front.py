@@ -91,8 +91,10 @@ class Scenes(Sequence):
         n_cut = int((scene.layer_bins[drawn] >= n_range_bins - 0.5).sum())
         if n_cut and not self._warned:
             self._warned = True
-            msg = f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} pixels of layers off "
-            msg += f"{scene.name}: notes of each scene count them (n_pixels_cut); None cuts nothing"
+            msg = (
+                f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} pixels of layers off "
+                f"{scene.name}: notes of each scene count them (n_pixels_cut); None cuts nothing"
+            )
             warnings.warn(msg, UserWarning, stacklevel=4)
         notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
         return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
@@ -194,9 +196,11 @@ def scenes(
         statistics = read_dataset(where)
     check_statistics(statistics, where)
     if recipe == "paper" and "thickness_psd" not in statistics:
-        msg = f"{where}: recipe paper needs thickness_psd, which statistics of the estimator paper "
-        msg += "have: name a file of those (--statistics); fit(frames, estimator='paper') of "
-        msg += "snowsim.statistics and runs with config/as_printed.yaml make them"
+        msg = (
+            f"{where}: recipe paper needs thickness_psd, which statistics of the estimator paper "
+            "have: name a file of those (--statistics); fit(frames, estimator='paper') of "
+            "snowsim.statistics and runs with config/as_printed.yaml make them"
+        )
         raise ValueError(msg)
     options = {"exact": exact, "as_printed": recipe == "paper"}
     draw = partial(draw_paper_scene, statistics, n_range_lines)

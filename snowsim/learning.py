@@ -127,8 +127,10 @@ def _bin_size_s(scenes, bin_s):
             continue
         bin_s = bin_s or own_s
         if abs(own_s / bin_s - 1) > 1e-6:
-            msg = f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in "
-            msg += f"scenes before it, found {own_s:.4g} s"
+            msg = (
+                f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in "
+                f"scenes before it, found {own_s:.4g} s"
+            )
             raise ValueError(msg)
     return bin_s or BIN_S
 

@@ -15,9 +15,11 @@ def check_trainable(scene, *, empty=False):
     shape = (scene.n_range_bins, scene.n_range_lines)
     is_image = image.shape == shape and image.dtype == np.uint8 and image.min() < image.max()
     if not is_image or not (empty or scene.mask().any()):
-        msg = f"scene {scene.name}: expected a uint8 image of shape {shape} with contrast and an "
-        msg += f"annotated pixel, got {image.dtype} of shape {image.shape}, "
-        msg += f"{scene.mask().sum()} annotated pixels"
+        msg = (
+            f"scene {scene.name}: expected a uint8 image of shape {shape} with contrast and an "
+            f"annotated pixel, got {image.dtype} of shape {image.shape}, "
+            f"{scene.mask().sum()} annotated pixels"
+        )
         raise ValueError(msg)
 
 

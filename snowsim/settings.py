@@ -112,8 +112,10 @@ class CganSettings(Checked):
         super().__post_init__()
         sizes = (self.n_range_bins, self.n_range_lines)
         if self.method == "pix2pix" and any(not size or size % 2**self.depth for size in sizes):
-            msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
-            msg += f"got {sizes[0]} and {sizes[1]}"
+            msg = (
+                f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
+                f"got {sizes[0]} and {sizes[1]}"
+            )
             raise ValueError(msg)
 
 

@@ -30,8 +30,10 @@ def expected_image(scene):
     """
     echoes = scene.echoes
     if echoes is None:
-        msg = f"scene {scene.name}: expected echoes, which tell how bright it is, got none: "
-        msg += "snowsim.labels.dress makes them of layers and statistics"
+        msg = (
+            f"scene {scene.name}: expected echoes, which tell how bright it is, got none: "
+            "snowsim.labels.dress makes them of layers and statistics"
+        )
         raise ValueError(msg)
     power = mean_power(
         echoes.bins,

@@ -115,8 +115,10 @@ def render(generator, scene, settings, *, rng):
     """
     mask = scene.mask()
     if not mask.any():
-        msg = f"scene {scene.name}: mask without layers, "
-        msg += f"expected at least one annotated pixel in {mask.shape}"
+        msg = (
+            f"scene {scene.name}: mask without layers, "
+            f"expected at least one annotated pixel in {mask.shape}"
+        )
         raise ValueError(msg)
     generator.eval()
     image = RECIPES[settings.method].render_image(generator, scene, settings, rng=rng)

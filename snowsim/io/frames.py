@@ -182,8 +182,10 @@ def read_frame(
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
     away_bins = surface_away_bins(echogram, layers)
     if away_bins > FAR_BINS:
-        msg = f"{row.layers}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
-        msg += "Surface in the median: is it the snow surface?"
+        msg = (
+            f"{row.layers}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
+            "Surface in the median: is it the snow surface?"
+        )
         warnings.warn(msg, UserWarning, stacklevel=2)
     # Before levelling: a flagged line must not decide where the surface lies.
     echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)

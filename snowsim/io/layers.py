@@ -228,8 +228,10 @@ def _without_placeholders(dataset, where):
     gap_s = np.diff(times_s)[:1]
     if is_first.sum() < 2 or not (gap_s > FAR_S).any():
         return dataset
-    msg = f"{where}: twtt: {is_first.sum()} range lines have their surface at {times_s[0]:.6g} s, "
-    msg += f"{gap_s[0]:.2g} s above all others: taken for lines that nobody picked"
+    msg = (
+        f"{where}: twtt: {is_first.sum()} range lines have their surface at {times_s[0]:.6g} s, "
+        f"{gap_s[0]:.2g} s above all others: taken for lines that nobody picked"
+    )
     warnings.warn(msg, UserWarning, stacklevel=4)
     twtt = dataset["twtt"].copy()
     twtt[0, is_first] = np.nan

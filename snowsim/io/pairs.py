@@ -229,10 +229,14 @@ def layers_of_labels(drawn, where="labels"):
     n_found = pixels["layer"].nunique()
     thickness = runs["count"].median()
     if n_apart or 2 * n_found < n_layers or thickness > THICKEST_PIXELS:
-        expected = "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
-        expected += f"of at most {THICKEST_PIXELS}"
-        found = f"{n_found} of numbers up to {n_layers}, {thickness:.0f} pixels a "
-        found += f"column in the median, {n_apart} times apart: regions, or scaled to be seen?"
+        expected = (
+            "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
+            f"of at most {THICKEST_PIXELS}"
+        )
+        found = (
+            f"{n_found} of numbers up to {n_layers}, {thickness:.0f} pixels a "
+            f"column in the median, {n_apart} times apart: regions, or scaled to be seen?"
+        )
         raise refusal(where, "layer numbers", expected, found)
     middles = ((runs["min"] + runs["max"]) / 2).unstack("line")
     return middles.reindex(index=range(1, n_layers + 1), columns=range(drawn.shape[1])).to_numpy()

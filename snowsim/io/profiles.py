@@ -96,8 +96,10 @@ def read_profile(
     place = _choice(path, depth, "depth_of", depth_of, _likely_place(depth_m, thickness_m))
     middle_m, thickness_m = _middles(depth_m, thickness_m, place)
     n_missing = np.isnan(density_kg_m3).sum()
-    note = f"{path}: {depth_m.size} samples down to {depth_m[-1]:.4g} m, {n_missing} missing, "
-    note += f"depths of the {place} of each, depth in {depth_unit}, density in {density_unit}"
+    note = (
+        f"{path}: {depth_m.size} samples down to {depth_m[-1]:.4g} m, {n_missing} missing, "
+        f"depths of the {place} of each, depth in {depth_unit}, density in {density_unit}"
+    )
     return Profile(middle_m, density_kg_m3, note, thickness_m)
 
 
@@ -131,8 +133,10 @@ def _column(path, table, quantity, pattern, name):
     """The column of a name; without one, that of a quantity."""
     found = _named(table, pattern) if name is None else [name]
     if len(found) != 1 or found[0] not in table:
-        expected = f"one column with {quantity} in its name (but of water equivalent), "
-        expected += f"or --{quantity}-column"
+        expected = (
+            f"one column with {quantity} in its name (but of water equivalent), "
+            f"or --{quantity}-column"
+        )
         raise refusal(path, name or quantity, expected, listed(map(str, table.columns)))
     return found[0]
 

@@ -82,7 +82,9 @@ def _check_images(image, reference):
     shapes = [np.shape(image), np.shape(reference)]
     fits = shapes[0] == shapes[1] and len(shapes[0]) == 2 and min(shapes[0]) >= smallest
     if kinds != {np.dtype(np.uint8)} or not fits:
-        msg = "image and reference must be uint8 (range_bin, range_line) of one size, at least "
-        msg += f"{smallest} pixels each way, got {shapes[0]} and {shapes[1]} of "
+        msg = (
+            "image and reference must be uint8 (range_bin, range_line) of one size, at least "
+            f"{smallest} pixels each way, got {shapes[0]} and {shapes[1]} of "
+        )
         msg += ", ".join(map(str, kinds))
         raise ValueError(msg)

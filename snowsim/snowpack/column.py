@@ -23,8 +23,10 @@ def temperature_k_of(layers):
     """Mean annual temperature [K] along a track in Greenland, at the height of its surface."""
     for name, (low, high) in GREENLAND.items():
         if name not in layers or not low < layers[name].mean() < high:
-            msg = "density: unknown outside Greenland, or without positions: give temperature_k, "
-            msg += "a density or a profile"
+            msg = (
+                "density: unknown outside Greenland, or without positions: give temperature_k, "
+                "a density or a profile"
+            )
             raise ValueError(msg)
     ground_m = layers["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
     return float(temperature_fausto09(ground_m, layers["Latitude"], layers["Longitude"]).mean())

@@ -158,8 +158,10 @@ class Radar:
         held = np.trim_zeros(np.where(power > 0.01, power, 0), "b")
         if held.size > MOST_LAGS:
             longer_s = 0.72 / self.bandwidth_hz
-            msg = f"radar: bin_s must be longer, such as {longer_s:g} s, got {self.bin_s:g} s: "
-            msg += f"speckle is alike over {MOST_LAGS} bins"
+            msg = (
+                f"radar: bin_s must be longer, such as {longer_s:g} s, got {self.bin_s:g} s: "
+                f"speckle is alike over {MOST_LAGS} bins"
+            )
             raise ValueError(msg)
         return held
 
@@ -236,8 +238,10 @@ class Snowpack:
         check_values(what, np.diff(self.depth_m, axis=0), 0, above=True)
         object.__setattr__(self, "measured", np.broadcast_to(self.measured, shape[:1]))
         if self.coherent and shape[1] > 1:
-            msg = "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
-            msg += f"got {shape[1]}: coherent=False adds them in power"
+            msg = (
+                "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
+                f"got {shape[1]}: coherent=False adds them in power"
+            )
             raise ValueError(msg)
 
     @classmethod
@@ -397,8 +401,10 @@ def _combined(snowpack, radar):
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
     faint = found.lost_db > MOST_LOST_DB
     if faint.any():
-        msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
-        msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
+        msg = (
+            f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
+            "to reflections above: multiples, left out, make mean power there 1 dB or more low"
+        )
         warnings.warn(msg, UserWarning, stacklevel=4)
     return _Echoes(
         below_s=found.delay_s[:, None],
@@ -449,7 +455,9 @@ def _warn_of_close(below_s, radar):
     varied = np.ptp(apart_s, axis=1) > 0.5 / radar.centre_hz
     close = (apart_s.min(axis=1, initial=np.inf) < radar.cell_s) & ~varied
     if close.any():
-        msg = f"snowpack: {close.sum()} interfaces lie within a range cell, "
-        msg += f"{1e9 * radar.cell_s:.2g} ns, of the one above, and add in power: "
-        msg += "coherent=True adds their fields, coherent=False keeps this without a warning"
+        msg = (
+            f"snowpack: {close.sum()} interfaces lie within a range cell, "
+            f"{1e9 * radar.cell_s:.2g} ns, of the one above, and add in power: "
+            "coherent=True adds their fields, coherent=False keeps this without a warning"
+        )
         warnings.warn(msg, UserWarning, stacklevel=4)

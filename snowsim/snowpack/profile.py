@@ -77,8 +77,10 @@ def combine(delay_s, reflection, sweep):
     """
     delay_s, reflection = (np.asarray(values, dtype=float) for values in (delay_s, reflection))
     if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not reflection[:1].any():
-        msg = "delay_s and reflection must be of one size (interface,), the surface's not 0, "
-        msg += f"got shapes {delay_s.shape} and {reflection.shape}, {reflection[:1]} of the surface"
+        msg = (
+            "delay_s and reflection must be of one size (interface,), the surface's not 0, "
+            f"got shapes {delay_s.shape} and {reflection.shape}, {reflection[:1]} of the surface"
+        )
         raise ValueError(msg)
     check_values("delay_s must not fall: its steps", np.diff(delay_s), 0)
     interfaces = np.flatnonzero(reflection)
@@ -236,9 +238,11 @@ def _check_samples(depth_m, density_kg_m3, thickness_m):
     shapes = {depth_m.shape, density_kg_m3.shape, thickness_m.shape}
     known = np.isfinite(density_kg_m3)
     if depth_m.ndim != 1 or len(shapes) > 1 or not known.any():
-        msg = "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, some "
-        msg += f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
-        msg += f"{known.sum()} densities"
+        msg = (
+            "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, some "
+            f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
+            f"{known.sum()} densities"
+        )
         raise ValueError(msg)
 
 

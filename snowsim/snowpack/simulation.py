@@ -188,9 +188,11 @@ def _check_lines(n_range_lines, snowpack, radar):
     n_range_bins = int(depth_s / radar.bin_s) + SURFACE_ROW + ROWS_BELOW_LAST_LAYER
     most = MAXIMUM_BYTES // (PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS))
     if n_range_lines > most:
-        msg = f"n_range_lines must be at most some {most}, {MAXIMUM_BYTES / 2**30:g} GiB, as "
-        msg += f"readers take, got {n_range_lines}: simulate parts, each by a seed of its own; "
-        msg += "parts of one snow are range lines of a Snowpack's depth_m and density_kg_m3"
+        msg = (
+            f"n_range_lines must be at most some {most}, {MAXIMUM_BYTES / 2**30:g} GiB, as "
+            f"readers take, got {n_range_lines}: simulate parts, each by a seed of its own; "
+            "parts of one snow are range lines of a Snowpack's depth_m and density_kg_m3"
+        )
         raise ValueError(msg)
 
 

@@ -226,8 +226,10 @@ def _fit_shapes(start, lines):
         if moved < SETTLED:
             break
     if not ((shape > LOWER + SETTLED) & (shape < UPPER - SETTLED)).all():
-        msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
-        msg += "decay_rate, variance_bins2 and offset_bins"
+        msg = (
+            "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
+            "decay_rate, variance_bins2 and offset_bins"
+        )
         warnings.warn(msg, UserWarning, stacklevel=2)
     return shape
 

@@ -97,8 +97,10 @@ def fit(frames, *, estimator="deblended"):
     summary = merge(summaries)
     far_bins = [bins for bins in away_bins if bins > FAR_BINS]
     if far_bins:
-        msg = f"layer 0 lies {np.median(far_bins):.0f} range bins from the echogram's Surface in "
-        msg += f"{len(far_bins)} of {len(away_bins)} frames: is it the snow surface?"
+        msg = (
+            f"layer 0 lies {np.median(far_bins):.0f} range bins from the echogram's Surface in "
+            f"{len(far_bins)} of {len(away_bins)} frames: is it the snow surface?"
+        )
         warnings.warn(msg, UserWarning, stacklevel=2)
     statistics = estimate(summary, estimator=estimator)
     warn_of_little(statistics)

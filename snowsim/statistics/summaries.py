@@ -220,8 +220,10 @@ def merge(summaries):
     others = np.flatnonzero(np.abs(bin_s - bin_s[0]) > SAME_BIN_SIZE * bin_s[0])
     if others.size:
         time = np.datetime64(int(merged["start_ns"][others[0]]), "ns")
-        msg = f"frames of a flight must share one bin size, got {bin_s[0]:g} s and, at {time}, "
-        msg += f"{bin_s[others[0]]:g} s"
+        msg = (
+            f"frames of a flight must share one bin size, got {bin_s[0]:g} s and, at {time}, "
+            f"{bin_s[others[0]]:g} s"
+        )
         raise ValueError(msg)
     return merged
 

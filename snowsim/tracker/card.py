@@ -97,8 +97,9 @@ def checked_card(content, where):
         check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
         shape = SHAPES.get(name, (2,))
         if np.shape(values) != shape or (shape == (2,) and values[0] > values[1]):
-            msg = f"{where}: {name}: expected numbers of shape {shape}, limits in order, "
-            msg += f"got {values}"
+            msg = (
+                f"{where}: {name}: expected numbers of shape {shape}, limits in order, got {values}"
+            )
             raise ValueError(msg)
     return Card(
         str(content.get("name")),

@@ -119,8 +119,10 @@ def _logits(network, image, precision):
     image = np.asarray(image)
     is_image = image.dtype == np.uint8 and image.ndim == 2 and image.size > 0
     if not (is_image and image.min() < image.max()):
-        msg = "image must be uint8 (range_bin, range_line) with contrast, "
-        msg += f"got {image.dtype} of shape {image.shape}"
+        msg = (
+            "image must be uint8 (range_bin, range_line) with contrast, "
+            f"got {image.dtype} of shape {image.shape}"
+        )
         raise ValueError(msg)
     device = next(network.parameters()).device
     with torch.inference_mode(), arithmetic(device, precision):

@@ -104,8 +104,10 @@ def chosen_surface(given, found, share, n_bins):
     if wrong.sum() <= WRONG_SHARE * given.size and not _off(given[both], found[both], share[both]):
         return gaps_filled(np.where(wrong, found, given)), None
     n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
-    reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
-    reason += "(none is given, or no echo rises there), it was found in the echogram"
+    reason = (
+        f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
+        "(none is given, or no echo rises there), it was found in the echogram"
+    )
     return gaps_filled(found), reason
 
 

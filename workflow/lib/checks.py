@@ -30,8 +30,10 @@ def warn_of_edits(root, results):
     oldest = min(made, key=_time)
     newest = max(code, key=_time)
     if _time(newest) > _time(oldest):
-        words = f"{newest.relative_to(root)} is newer than {oldest}; edited code reruns nothing by "
-        words += "itself: snakemake --forcerun RULE, or --touch if no result depends on the edit"
+        words = (
+            f"{newest.relative_to(root)} is newer than {oldest}; edited code reruns nothing by "
+            "itself: snakemake --forcerun RULE, or --touch if no result depends on the edit"
+        )
         logging.getLogger("snakemake.logging").warning(words)
 
 

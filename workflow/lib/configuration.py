@@ -86,6 +86,7 @@ def check(config):
     estimator = config["statistics"]["estimator"]
     wanted = {"measured": "deblended", "paper": "paper"}[recipe]
     if estimator != wanted:
-        msg = f"config: labels.recipe: {recipe} needs statistics.estimator: {wanted}, "
-        msg += f"got {estimator}"
+        msg = (
+            f"config: labels.recipe: {recipe} needs statistics.estimator: {wanted}, got {estimator}"
+        )
         raise ValueError(msg)

@@ -37,8 +37,10 @@ def check_reference(reference, flight):
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
     longest_km = line_length_km()
     if length_km > longest_km:
-        msg = "config: flight.n_frames: expected frames that fit on the line of "
-        msg += f"{longest_km:.0f} km, got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
+        msg = (
+            "config: flight.n_frames: expected frames that fit on the line of "
+            f"{longest_km:.0f} km, got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
+        )
         raise ValueError(msg)
 
 
@@ -115,8 +117,10 @@ def own_pairs(folder, lists, data_scale):
     for split, scenes in pairs.items():
         for scene in scenes.names:
             if scene in seen:
-                msg = f"{folder}: {lists[split]}: expected scenes that are in no other list, "
-                msg += f"found {scene} in {lists[seen[scene]]} too"
+                msg = (
+                    f"{folder}: {lists[split]}: expected scenes that are in no other list, "
+                    f"found {scene} in {lists[seen[scene]]} too"
+                )
                 raise ValueError(msg)
             seen[scene] = split
     return pairs
@@ -146,8 +150,10 @@ def check_lists(lists, *, data_scale, contrast_db):
     without_db = table.loc[(table["split"] == "train") & ~table["tells_db"], "name"]
     if contrast_db is None and len(without_db):
         scenes = f"{len(without_db)} train scenes, {without_db.iloc[0]} the first,"
-        msg = f"{scenes} do not hold their decibels: import.pairs.contrast_db: "
-        msg += "expected decibels from the noise floor to 255, got null"
+        msg = (
+            f"{scenes} do not hold their decibels: import.pairs.contrast_db: "
+            "expected decibels from the noise floor to 255, got null"
+        )
         raise ValueError(msg)
     widths = table.groupby("split")["n_range_lines"].first()
     if widths.nunique() > 1:

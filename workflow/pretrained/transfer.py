@@ -43,8 +43,10 @@ def check_flights(tuning, unseen, config):
     for flight in flights:
         seed = flight["seed"]
         if (seed in TUNING_SEEDS) != (flight in tuning) or seed == config["seed"]:
-            msg = f"config: flight {flight['name']}: expected a seed from 1000 to 1999 for tuning, "
-            msg += f"for scores another, and not the configuration's own, got {seed}"
+            msg = (
+                f"config: flight {flight['name']}: expected a seed from 1000 to 1999 for tuning, "
+                f"for scores another, and not the configuration's own, got {seed}"
+            )
             raise ValueError(msg)
         try:
             checked_settings(reference_of(flight, config["reference"]))

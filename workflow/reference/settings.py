@@ -299,6 +299,8 @@ def check_window(settings):
     )
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
-    what = f"radar.n_range_bins (surface in row {radar.surface_bin}, first year of up to "
-    what += f"{bins:.0f} bins, {ROWS_BELOW_LAST_LAYER} rows below)"
+    what = (
+        f"radar.n_range_bins (surface in row {radar.surface_bin}, first year of up to "
+        f"{bins:.0f} bins, {ROWS_BELOW_LAST_LAYER} rows below)"
+    )
     check_values(what, radar.n_range_bins, least)

@@ -24,12 +24,14 @@ with job(snakemake):
     n_scenes = snakemake.params.n_scenes
     n_varied = snakemake.params.n_varied
     n_firn = n_scenes * (snakemake.params.n_variants - n_varied)
-    trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_varied} variants of the statistics "
-    trained_on += "of the reference flight with crusts and bands of noise, one in "
-    trained_on += f"{EVERY} without and the flight's own, as its picks give them, rendered by PHY; "
-    trained_on += f"{n_firn} of clean firn by snowsim.simulate; "
-    trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
-    trained_on += f"width {settings.width}"
+    trained_on = (
+        f"{SYNTHETIC}: {n_scenes} scenes of each of {n_varied} variants of the statistics "
+        "of the reference flight with crusts and bands of noise, one in "
+        f"{EVERY} without and the flight's own, as its picks give them, rendered by PHY; "
+        f"{n_firn} of clean firn by snowsim.simulate; "
+        f"{settings.n_steps} gradients of {settings.batch_size} crops, "
+        f"width {settings.width}"
+    )
     made = making(
         trained.network,
         commit_of(ROOT),

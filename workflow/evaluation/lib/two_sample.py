@@ -54,8 +54,10 @@ def tiled(sets):
     n_bins = min(scene.n_range_bins for scene in everything)
     n_lines = min(scene.n_range_lines for scene in everything)
     if n_bins < FIRST_ROW + PATCH or n_lines < PATCH:
-        msg = f"two-sample test: expected scenes of {FIRST_ROW + PATCH} x {PATCH} pixels or more, "
-        msg += f"the smallest has {n_bins} x {n_lines}"
+        msg = (
+            f"two-sample test: expected scenes of {FIRST_ROW + PATCH} x {PATCH} pixels or more, "
+            f"the smallest has {n_bins} x {n_lines}"
+        )
         raise ValueError(msg)
     patches = {}
     for name, scenes in sets.items():
