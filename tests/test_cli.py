@@ -97,6 +97,7 @@ def place(tmp_path, rng, monkeypatch):
         ("export cut.nc out", 1, "cut.nc: "),
         (f"export {REFERENCE} out", 1, "expected a scene file, of attribute format"),
         ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
+        ("scenes out --statistics cut.nc", 1, "cut.nc: expected a NetCDF-4 file"),
         ("scenes out --statistics scenes.nc", 1, "content must be 'snowsim flight statistics"),
         ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
         ("train scenes.nc -o a.pt", 2, "a.pt: end the name of the file in .onnx"),
