@@ -71,12 +71,6 @@ def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished
     assert unfinished.exists()
 
 
-@pytest.mark.parametrize("kept", [0, -1])
-def test_a_truncated_checkpoint_is_refused_in_one_line(unfinished, kept):
-    unfinished.write_bytes(unfinished.read_bytes()[:kept])
-    refused(lambda path: counted(path, Counter()), unfinished, "expected a whole .*remove it")
-
-
 def test_too_little_memory_is_one_line():
     with refusal(r"too little memory for a network: it needs at least 1e\+09 GB"):
         check_memory(1e18, "a network")
