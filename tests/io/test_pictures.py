@@ -1,13 +1,14 @@
 """Pictures of layers: what they leave blank, and names that stay apart."""
 
-import formats
 import numpy as np
 import pytest
-import xarray as xr
+from made_up import made_up_frame
 from matplotlib.figure import Figure
 from PIL import Image
 
-from snowsim.io import read_echogram, write_picture
+from snowsim.io import write_picture
+
+N_LINES = 40
 
 
 def share_white(path):
@@ -16,24 +17,20 @@ def share_white(path):
 
 
 @pytest.fixture
-def frame(tmp_path, content):
-    """Echogram and layers as other tools write them, surface and one below."""
-    formats.opr_dataset(content).to_netcdf(tmp_path / "frame.nc")
-    echogram = read_echogram(tmp_path / "frame.nc")
-    surface = content["Surface"]
-    names = ["surface", "snow_1"]
-    layers = formats.opr_layers([surface, surface + 2e-8], content["GPS_time"], names)
-    positions = echogram[["Latitude", "Longitude", "Elevation"]]
-    return echogram, xr.merge([layers, positions])
+def frame(rng):
+    """Echogram and layers, the surface and one 69 bins below."""
+    layer_bins = np.repeat([[30.0], [99.0]], N_LINES, axis=1)
+    echogram, layers = made_up_frame(rng.gamma(4, 0.25, (120, N_LINES)), layer_bins)
+    layers = layers.assign_coords(layer=["surface", "snow_1"])
+    return echogram, layers.assign(echogram[["Latitude", "Longitude", "Elevation"]])
 
 
 def test_lines_without_a_record_are_blank_in_a_picture(tmp_path, frame):
     echogram, layers = frame
     write_picture(tmp_path / "whole.png", layers, [echogram])
-    half = np.arange(formats.N_LINES) < formats.N_LINES // 2
-    kept = xr.DataArray(half, dims="slow_time")
-    layers = layers.assign(twtt=layers["twtt"].where(kept))
-    echogram = echogram.assign(Data=echogram["Data"].where(kept))
+    half = slice(N_LINES // 2, None)
+    echogram["Data"][:, half] = np.nan
+    layers["twtt"][:, half] = np.nan
     write_picture(tmp_path / "gap.png", layers, [echogram])
     more_white = share_white(tmp_path / "gap.png") - share_white(tmp_path / "whole.png")
     # Half of the panel, which takes two thirds of a picture and more.
@@ -48,16 +45,13 @@ def test_layers_without_a_pick_are_no_obstacle(tmp_path, frame, rows):
     assert Image.open(tmp_path / "picture.png").size[0] > 0
 
 
-def test_names_of_layers_that_end_together_do_not_overlap(tmp_path, content, frame, monkeypatch):
+def test_names_of_layers_that_end_together_do_not_overlap(tmp_path, frame, monkeypatch):
     drawn = []
     save = Figure.savefig
     monkeypatch.setattr(Figure, "savefig", lambda *a, **k: drawn.append(a[0]) or save(*a, **k))
-    surface = content["Surface"]
-    twtt = [surface, *(surface + 2e-8 + 1e-10 * n for n in range(11))]
-    names = ["surface", *(f"snow_{n}" for n in range(1, 12))]
-    layers = formats.opr_layers(twtt, content["GPS_time"], names)
-    positions = frame[0][["Latitude", "Longitude", "Elevation"]]
-    write_picture(tmp_path / "picture.png", layers.assign(positions))
+    layers = frame[1].isel(layer=[0] + 11 * [1])
+    layers["twtt"] = layers["twtt"] + 1e-10 * np.arange(12)[:, None]
+    write_picture(tmp_path / "picture.png", layers)
     boxes = [text.get_window_extent() for text in drawn[0].axes[0].texts]
     assert len(boxes) == 12
     for below, box in enumerate(boxes, start=1):
