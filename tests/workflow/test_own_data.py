@@ -5,7 +5,6 @@ from copy import deepcopy
 
 import formats
 import numpy as np
-import own_files
 import pandas as pd
 import pytest
 import xarray as xr
@@ -112,14 +111,11 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     results = tmp_path / "results"
     # Images and masks are those of the reference run, so what never saw the statistics scores the
     # same. Renders did.
-    for table, same in {"table2": [], "table3": ["rd_ods", "rd_ois", "rd_ap"]}.items():
-        ours = pd.read_csv(results / f"tables/{table}.csv")
-        theirs = pd.read_csv(exported / f"tables/{table}.csv")
-        assert list(ours.columns) == list(theirs.columns)
-        assert len(ours) == len(theirs)
-        numbers = ours.drop(columns=ours.columns[0]).select_dtypes("number")
-        assert numbers.notna().all(axis=None)
-        assert_allclose(ours[same], theirs[same], rtol=1e-9)
+    ours, theirs = (pd.read_csv(each / "tables/table3.csv") for each in (results, exported))
+    same = ["rd_ods", "rd_ois", "rd_ap"]
+    assert_allclose(ours[same], theirs[same], rtol=1e-9)
+    assert ours.columns.equals(theirs.columns)
+    assert ours.notna().all(axis=None)
     assert (results / "report.html").is_file()
     check_own(results)
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
@@ -131,37 +127,35 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
 @pytest.fixture
 def tiny_flight(tiny_run):
     """Echogram and layers of every frame of the tiny flight."""
-    flight = tiny_run / "results/flight"
-
-    def frame(number):
-        echogram = xr.load_dataset(flight / f"{number:04d}.nc")
-        layers = xr.load_dataset(flight / f"{number:04d}_layers.nc")
-        return echogram, layers
-
-    return [frame(number) for number in range(3)]
+    paths = [tiny_run / f"results/flight/{number:04d}" for number in range(3)]
+    return [(xr.load_dataset(f"{path}.nc"), xr.load_dataset(f"{path}_layers.nc")) for path in paths]
 
 
 @pytest.fixture
 def own_flight(tiny_flight, tmp_path):
     """Settings of a run on the tiny flight, which is written as files of NSIDC with a table."""
-    rows = []
-    roles_of_frames = (("statistics", "train"), ("statistics",), ("test",))
-    for number, roles in enumerate(roles_of_frames):
-        echogram, layers = tiny_flight[number]
-        content = own_files.content_of(echogram, number * echogram.sizes["slow_time"])
-        name = f"20120330_04_{number + 1:03d}"
-        file = own_files.write_echogram(tmp_path, f"echogram_{number}", content)
-        picks = own_files.write_layers(tmp_path, name, layers, content)
-        for role in roles:
-            frame = f"{name}t" if role == "train" else name
-            rows.append(f"{frame}\t{file.name}\t{picks.name}\t{role}\n")
-    table = tmp_path / "frames.tsv"
-    table.write_text("".join([f"{formats.TABLE_HEADER}\n", *rows]))
-    own = {"frames": str(table), "description": "own frames"}
     # One frame has no pick of the first horizon: only names tell that its first layer is the
     # second one.
     n_layers = max(layers.sizes["layer"] for _, layers in tiny_flight)
-    return write_own(tmp_path, "nsidc", **own, layer_names=own_files.layer_names(n_layers))
+    names = ["surface", *(f"Koenig_{number}" for number in range(1, n_layers))]
+    ids = np.arange(n_layers)
+    formats.write_mat5(tmp_path / formats.ORGANIZER_FILE, formats.organizer_content(ids, names))
+    rows = []
+    for number, role in enumerate(("statistics", "statistics", "test")):
+        echogram, layers = tiny_flight[number]
+        gps_time = formats.GPS_START + 60 * number + 0.05 * np.arange(echogram.sizes["slow_time"])
+        formats.write_nsidc(tmp_path / f"{number}.nc", formats.content_of(echogram, gps_time))
+        picks = f"Data_20120330_04_{number:03d}.mat"
+        twtt = layers["twtt"].transpose("layer", "slow_time").values
+        elevation = echogram["Elevation"].values
+        content = formats.layer_content(twtt, ids[: len(twtt)], gps_time, elevation=elevation)
+        formats.write_mat5(tmp_path / picks, content)
+        rows.append(f"frame_{number}\t{number}.nc\t{picks}\t{role}\n")
+    rows.append(rows[0].replace("frame_0", "shown").replace("statistics", "train"))
+    table = tmp_path / "frames.tsv"
+    table.write_text("".join([f"{formats.TABLE_HEADER}\n", *rows]))
+    own = {"frames": str(table), "description": "own frames", "layer_names": names}
+    return write_own(tmp_path, "nsidc", **own)
 
 
 @pytest.mark.slow
@@ -176,16 +170,8 @@ def test_own_files_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path
     for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
         assert_allclose(found[name], expected[name], rtol=1e-5, err_msg=name)
     for split in ("train", "test"):
-        scenes = list(SceneSet(results / f"benchmark/{split}/0000.nc"))
-        assert len(scenes) == 2  # lines 0 to 255 and 250 to 505 of 512
-        for scene in scenes:
-            assert_allclose(np.nanmedian(scene.layer_bins[0]), 50, atol=0.5)
-            # The surface is bright where the layers say it is: nothing slipped against anything.
-            surface = scene.layer_bins[0]
-            rows = np.rint(surface).astype(int)
-            lines = np.flatnonzero(np.isfinite(surface))
-            on = scene.image[rows[lines], lines].mean()
-            assert on > scene.image[rows[lines] - 12, lines].mean() + 50
-    assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 2, 0, 2]
+        # Lines 0 to 255 and 250 to 505 of 512.
+        assert len(SceneSet(results / f"benchmark/{split}/0000.nc")) == 2
+    assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 0, 2, 2]
     check_own(results)
     assert "own frames" in (results / "figures/flight_line.svg").read_text()
