@@ -8,14 +8,14 @@ import pytest
 import torch
 from numpy.testing import assert_array_equal
 from runs import CONFIG
+from toy_scenes import toy_scene, with_echoes
 
 from pretrained.card import digest_of, ranges_of, scores_for_card
 from pretrained.resizing import in_bins
 from pretrained.scenes import FirnRanges, firn_scene, labelled, on_lines, training_scenes
-from snowsim.echogram import Kind, Scene
+from snowsim.echogram import Scene
 from snowsim.front import REFERENCE
 from snowsim.io import read_dataset
-from snowsim.labels import draw_scene
 from snowsim.patches import check_trainable
 from snowsim.snowpack import Climate, Radar
 from snowsim.statistics import Ranges
@@ -63,63 +63,45 @@ def test_of_clean_firn_layers_are_labelled_where_noise_does_not_hide_them():
     assert 18 <= n_labelled[1] <= 21
 
 
-def test_lines_farther_apart_are_lines_left_out(flight):
-    scene = draw_scene(flight, 64, name="whole", rng=np.random.default_rng(1))
+def test_lines_farther_apart_are_lines_left_out():
+    scene = with_echoes(toy_scene(1))
     thinned = on_lines(scene, np.arange(0, 64, 2))
     assert_array_equal(thinned.layer_bins, scene.layer_bins[:, ::2])
     assert_array_equal(thinned.echoes.bins, scene.echoes.bins[:, ::2])
     assert_array_equal(thinned.echoes.power, scene.echoes.power[:, ::2])
 
 
-def test_layers_that_stand_above_noise_and_background_are_labelled(flight):
-    rng = np.random.default_rng(1)
-    scene = draw_scene(flight, 64, name="", rng=rng)
-    n_layers = len(scene.layer_bins)
-    assert n_layers > 2
-    power = scene.echoes.power.copy()
-    is_layer = np.flatnonzero(scene.echoes.kind == Kind.LAYER)
-    behind = scene.echoes.noise_power + power[scene.echoes.kind == Kind.BACKGROUND].sum()
-    power[is_layer] = 10 * behind
-    power[is_layer[1]] = 1e-3 * scene.echoes.noise_power
-    given = replace(scene, echoes=replace(scene.echoes, power=power))
-    seen = labelled(given)
+def test_a_layer_that_noise_hides_has_no_label_and_is_known_all_the_same():
+    scene = with_echoes(toy_scene(1))
+    scene.echoes.power[1] = 1e-3 * scene.echoes.noise_power
+    scene = replace(scene, complete_layer_bins=scene.layer_bins)
+    seen = labelled(scene)
     assert np.isnan(seen.layer_bins[1]).all()
-    others = np.delete(np.arange(n_layers), 1)
+    others = [0, 2, 3]
     assert_array_equal(seen.layer_bins[others], scene.layer_bins[others])
     assert_array_equal(seen.complete_layer_bins, scene.layer_bins)
 
 
-def test_labels_end_where_layers_fade_as_the_truth_of_the_reference_flight_does(flight):
-    scene = draw_scene(flight, 64, name="", rng=np.random.default_rng(1))
-    is_layer = np.flatnonzero(scene.echoes.kind == Kind.LAYER)
-    power = np.zeros_like(scene.echoes.power)
-    power[is_layer] = 0.5
-    # Over noise of 1 these rise by .8 and 1.8 dB at most; truth ends at 1 dB.
-    power[is_layer[1]] = 0.2
-    ends = []
-    for last in (0.2, 0.5):
-        power[is_layer[-1]] = last
-        echoes = replace(scene.echoes, power=power.copy(), noise_power=1.0)
-        seen = np.isfinite(labelled(replace(scene, echoes=echoes)).layer_bins).all(axis=1)
-        assert seen[:-1].all()
-        ends.append(bool(seen[-1]))
-    assert ends == [False, True]
+@pytest.mark.parametrize(("last", "is_labelled"), [(0.2, False), (0.5, True)])
+def test_labels_end_where_layers_fade_as_truth_of_the_reference_flight_does(last, is_labelled):
+    scene = with_echoes(toy_scene(1))
+    # Over noise of 1 powers of .2 and .5 rise by .8 and 1.8 dB at most; truth ends at 1 dB.
+    scene.echoes.power[:] = np.array([0.5, 0.2, 0.5, last])[:, None]
+    seen = labelled(replace(scene, echoes=replace(scene.echoes, noise_power=1.0)))
+    found = np.isfinite(seen.layer_bins).all(axis=1)
+    assert found.tolist() == [True, True, True, is_labelled]
 
 
-def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():
-    row = np.arange(320.0)[:, None]
-    layer_bins = np.array([[80.25] * 64, [200.5] * 64])
-    near = np.abs(row - layer_bins[:, 0]).min(axis=1)
-    image = np.repeat(np.uint8(255 * np.exp(-(near**2) / 50))[:, None], 64, axis=1)
-    scene = Scene(name="two layers", n_range_bins=320, layer_bins=layer_bins, image=image)
-    smaller = in_bins(scene, 0.6)
+def test_a_layer_lies_on_the_same_snow_after_resampling_to_larger_bins():
+    layer_bins = np.full((1, 64), 200.5)
+    away = np.arange(320)[:, None] - layer_bins
+    image = np.uint8(255 * np.exp(-(away**2) / 50))
+    smaller = in_bins(Scene("one layer", 320, layer_bins, image=image), 0.6)
     assert smaller.image.shape == (192, 64)
-    for layer in smaller.layer_bins[:, 0]:
-        about = slice(round(layer) - 15, round(layer) + 16)
-        brightness = smaller.image[about, 0].astype(float)
-        middle = (brightness * np.arange(192)[about]).sum() / brightness.sum()
-        # Eight bits of brightness on 31 rows.
-        assert abs(middle - layer) < 0.05
+    brightness = smaller.image[:, 0].astype(float)
+    middle = (brightness * np.arange(192)).sum() / brightness.sum()
+    # Eight bits of brightness on some 20 rows.
+    assert abs(middle - smaller.layer_bins[0, 0]) < 0.05
 
 
 def test_the_digest_is_of_every_weight():

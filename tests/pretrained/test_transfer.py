@@ -94,10 +94,6 @@ def test_of_thresholds_with_good_picks_that_one_is_taken_with_fewest_false_piece
     assert taken["f"] >= curve["f"].max() - F_KNOWN_TO
     better = curve[curve["false_share"] < taken["false_share"]]
     assert (better["f"] < curve["f"].max() - F_KNOWN_TO).all()
-    # The table says what scores of picks say.
-    by_threshold = curve.set_index("threshold")["f"]
-    picks = picked(logits, fit_confidence(logits, scenes, SURE))
-    assert_allclose(by_threshold[SURE.threshold], pick_scores(picks, scenes)["f"], rtol=1e-12)
     # Above the threshold at which nothing is picked any more, there is nothing to fit.
     faint = pick_curve([np.minimum(each, -1.0) for each in logits], scenes, SURE)
     assert 0 < len(faint) < len(THRESHOLDS)
