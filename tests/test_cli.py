@@ -159,7 +159,6 @@ TOLD = {
     "nsidc_gap.nc": ["Surface is unknown on 1 "],
     "layers.mat": ["id 1: 97.5% picked", "none is named surface"],
     "scenes.nc": ["2 scenes", "7 labelled pixels lie below the images"],
-    "labels.nc": ["notes   none"],
     "set": ["format  a folder of 2 exported scenes", "range_bin: 96"],
     "mask.png": ["range_bin: 50, range_line: 20", "2 levels from 0"],
     "shades.npy": ["range_bin: 50, range_line: 20", "50 levels from 0"],
@@ -188,7 +187,6 @@ def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypa
     layers = formats.layer_content([content["Surface"]], [1], content["GPS_time"])
     formats.write_mat5("layers.mat", layers)
     scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
-    write_scenes("labels.nc", [dataclasses.replace(scene, image=None) for scene in scenes])
     for number, scene in enumerate(scenes):
         scene.notes["n_pixels_cut"] = 3 + number
     write_scenes("scenes.nc", scenes)
@@ -207,27 +205,24 @@ def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypa
     assert "none is named surface" not in described("numbered.nc", capsys)
 
 
-def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    formats.write_nsidc_flight(tmp_path, rng, ["test"], 300)
-    main(["export", "test.nc", "--layers", formats.LAYERS_FILE, "pairs"])
-    main(["export", "pairs", "datasets", "--netcdf"])
-    assert capsys.readouterr().out.splitlines() == ["n_scenes 1, n_merged_pixels 0", "n_scenes 1"]
-    (scene,) = PairSet("pairs")
-    assert np.isfinite(scene.layer_bins).all()
-    # What was exported is truth: of itself, without an error.
-    main(["score", "--picks", "datasets", "pairs", "--format", "csv"])
-    assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
-
-
-def test_export_says_what_reading_warns_of_in_one_line(tmp_path, rng, monkeypatch, capsys):
+def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of(
+    tmp_path, rng, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     formats.write_nsidc_flight(tmp_path, rng, ["test"], 300)
     with netCDF4.Dataset("test.nc", "r+") as file:
         file["Surface"][:] -= 30 * formats.BIN_S
     main(["export", "test.nc", "--layers", formats.LAYERS_FILE, "pairs"])
-    (line,) = capsys.readouterr().err.splitlines()
+    main(["export", "pairs", "datasets", "--netcdf"])
+    out, err = capsys.readouterr()
+    assert out.splitlines() == ["n_scenes 1, n_merged_pixels 0", "n_scenes 1"]
+    (line,) = err.splitlines()
     assert line.startswith(f"warning: {formats.LAYERS_FILE}: layer 0 lies 30 range bins")
+    (scene,) = PairSet("pairs")
+    assert np.isfinite(scene.layer_bins).all()
+    # What was exported is truth: of itself, without an error.
+    main(["score", "--picks", "datasets", "pairs", "--format", "csv"])
+    assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
 
 
 def test_help_has_examples_of_every_command():
