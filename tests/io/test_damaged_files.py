@@ -247,9 +247,8 @@ HARMFUL = {
         (lambda path, _: None, read_echogram, "expected .*, found .*No such file"),
         (lambda path, _: path.mkdir(), read_layers, NO_DATA),
         *(
-            (lambda path, _, content=content: path.write_bytes(content), read, NO_DATA)
+            (lambda path, _, content=content: path.write_bytes(content), read_layers, NO_DATA)
             for content in (b"", b"\x89HDF\r\n\x1a\n", b"CDF\x01" + bytes(4), b"GIF89a")
-            for read in (read_echogram, read_layers)
         ),
         *(
             (

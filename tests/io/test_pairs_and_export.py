@@ -202,14 +202,10 @@ def test_missing_images_and_folders_that_loaders_would_trip_over_are_refused(tmp
         export_pairs(tmp_path / "other", scenes)
 
 
-def test_real_echograms_are_read_and_real_masks_that_are_inverted_or_antialiased_refused(
-    path, shared_data
-):
-    folder = shared_data / "accumulation_radar_png"
-    for frame in ("20100507_01_008_010", "20110419_01_008_010"):
-        real = folder / f"{frame}_5m_30m_ORIGINAL.png"
-        assert_array_equal(read_image(real)[0], np.asarray(Image.open(real)))
-        (mask,) = folder.glob(f"{frame}_SG1*.png")
+def test_real_masks_that_are_inverted_or_antialiased_are_refused(path, shared_data):
+    inverted = list((shared_data / "accumulation_radar_png").glob("*_SG1*.png"))
+    assert inverted
+    for mask in inverted:
         with refusal("inverted"):
             layers_of_labels(read_mask(mask))
     for real in sorted((shared_data / "layer_line_png").glob("*.png")):
