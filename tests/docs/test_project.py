@@ -21,10 +21,6 @@ def test_citation_names_this_version_and_licence():
     zenodo = yaml.safe_load((ROOT / ".zenodo.json").read_text())
     assert zenodo["version"] == citation["version"]
     assert zenodo["license"] == citation["license"] == "BSD-3-Clause"
-    assert {"cff-version", "message", "title", "authors"} <= set(citation)
-    assert all(
-        {"title", "authors", "year"} <= set(reference) for reference in citation["references"]
-    )
 
 
 @pytest.mark.parametrize(

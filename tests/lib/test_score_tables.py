@@ -1,3 +1,4 @@
+import numpy as np
 import pandas as pd
 from edge_counts import image_counts
 from numpy.testing import assert_allclose
@@ -7,21 +8,17 @@ from snowsim.constants import OUTPUTS
 
 
 def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shallowest_scene():
-    rows = [
-        ("phy", 10.0, 5.0, 0.1),
-        ("phy", 30.0, 7.0, 0.2),
-        ("cgan", 1.0, 20.0, 0.5),
-        ("cgan", 3.0, 30.0, 0.7),
-    ]
-    images = pd.DataFrame(rows, columns=["method", "rmse", "psnr", "ssim"]).assign(
-        scene=["a", "b", "a", "b"]
-    )
+    images = pd.DataFrame({"method": ["phy", "phy", "cgan", "cgan"], "scene": [*"abab"]})
+    images["rmse"] = [10, 30, 1, 3]
+    images["psnr"] = [5, 7, 20, 30]
+    images["ssim"] = [0.1, 0.2, 0.5, 0.7]
     table = similarity_table(images).set_index(["metric", "statistic"])
     assert list(table.columns) == ["cgan", "phy"]
     assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
     assert_allclose(table.loc["ssim", "cgan"], [0.5, 0.6, 0.7])
-    scenes = [("a", n, 0.2) for n in range(4)] + [("b", n, 0.6) for n in range(6)]
-    rows = pd.DataFrame(scenes, columns=["scene", "range_bin", "ssim"]).assign(method="phy")
+    rows = pd.DataFrame({"scene": [*"aaaabbbbbb"], "range_bin": [*range(4), *range(6)]})
+    rows["ssim"] = np.where(rows["scene"] == "a", 0.2, 0.6)
+    rows["method"] = "phy"
     table = ssim_against_depth(rows, 3)
     assert list(table["range_bin"]) == [0, 1, 2, 3]
     assert_allclose(table["ssim"], 0.4)

@@ -65,9 +65,6 @@ def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
 
     scenes = list(map(with_ridges, toy_scenes(2)))
     counts, fused = count_edges(SimpleNamespace(track=track), scenes, ["side_1", "fuse"])
-    assert counts.groupby(["output", "scene"]).size().tolist() == [99] * 4
-    lowest = counts[counts["threshold"] == counts["threshold"].min()]
-    assert lowest["n_truth"].tolist() == [n for s in scenes for n in [s.mask().sum()] * 2]
     rows = pick_scenes(scenes, fused, counts)
     assert rows["scene"].unique().tolist() == [scene.name for scene in scenes]
     assert not rows[["n_missed_layers", "n_false_layers"]].to_numpy().any()
