@@ -45,18 +45,13 @@ def test_flagged_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame)
         assert_array_equal(found[name].values[:, fit], given[name].values[:, fit])
         # The frame that came in is not touched.
         assert np.isfinite(given[name]).all()
-    assert count_flagged(echogram) == (12, "no_good_data 12; low_SNR 100; land_ice 1024")
 
 
 def test_the_setting_says_which_flags_flag_a_line_and_others_change_nothing(frame):
     echogram, _ = leave_out_flagged(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
     assert_array_equal(np.flatnonzero(echogram["flagged"]), np.arange(100))
-    echogram, layers = leave_out_flagged(*frame, flags=())
-    assert_array_equal(echogram["Data"], frame[0]["Data"])
-    assert not echogram["flagged"].any()
-    bare = frame[0].drop_vars("quality_mask")
-    assert leave_out_flagged(bare, frame[1]) == (bare, layers)
-    assert count_flagged(bare) == (0, "")
+    bare, layers = frame[0].drop_vars("quality_mask"), frame[1]
+    assert leave_out_flagged(bare, layers) == (bare, layers)
     assert count_flagged(flagged(bare)) == (0, "none")
 
 
