@@ -131,11 +131,6 @@ from xopr.opr_access import OPRConnection
 connection = OPRConnection(stac_parquet_href="none.parquet", sync_catalogs=False)
 np.save("xopr.npy", connection.load_layers_file(sys.argv[1])["twtt"].values)
 """
-MOST_MB = 180  # that tracking may add: onnxruntime, and matplotlib with 56
-
-
-def megabytes(folder):
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
 
 
 @pytest.mark.slow
@@ -146,9 +141,7 @@ def test_one_tracks_without_torch_what_others_read_and_trains_with_it(built, tmp
     bare(tmp_path, wheel)
     pip = partial(run_in, tmp_path, "bare/bin/python", "-m", "pip")
     run = partial(run_in, tmp_path, "bare/bin/snowsim")
-    before = megabytes(tmp_path / "bare/lib")
-    pip("install", "-q", "--no-compile", f"{wheel}[track]")
-    assert megabytes(tmp_path / "bare/lib") - before < MOST_MB
+    pip("install", "-q", f"{wheel}[track]")
     assert "torch" not in pip("list")
     run("track", "test_e.nc", "-o", "shipped")
     pip("install", "-q", "xopr==0.6.0")
