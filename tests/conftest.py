@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import ROOT
 from toy_scenes import toy_scene
-
-ROOT = Path(__file__).resolve().parents[1]
 
 
 def pytest_collection_modifyitems(items):

@@ -1,6 +1,9 @@
-"""Commands run in processes of their own."""
+"""Commands run in processes of their own, and the project's folder."""
 
 import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def run_in(folder, *command):

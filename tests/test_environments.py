@@ -1,12 +1,12 @@
 import re
 import tomllib
-from pathlib import Path
 
 import yaml
+from processes import ROOT
 
 
 def read_text(name):
-    return (Path(__file__).resolve().parents[1] / name).read_text()
+    return (ROOT / name).read_text()
 
 
 def test_conda_pins_equal_the_lock_file_and_hold_every_dependency():

@@ -1,13 +1,13 @@
 """What people script with: a radar simulated, and scenes without a run."""
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
+from processes import ROOT
 from refusals import refusal
 
 import snowsim
@@ -18,7 +18,6 @@ from snowsim.io import PairSet, read_dataset
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 
-ROOT = Path(__file__).resolve().parents[1]
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 

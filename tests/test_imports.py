@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from processes import run_in
+from processes import ROOT, run_in
 
-PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
+PACKAGE = ROOT / "snowsim"
 CORE = {
     "constants",
     "echogram",
@@ -108,7 +108,7 @@ print(*sys.modules)
 
 def loaded_with(*names):
     """Modules that are loaded where some are imported."""
-    return set(run_in(PACKAGE.parent, sys.executable, "-c", CHILD, *names).split())
+    return set(run_in(ROOT, sys.executable, "-c", CHILD, *names).split())
 
 
 def test_the_configuration_is_checked_without_what_draws_and_trains():
@@ -128,7 +128,7 @@ def test_tracking_and_scoring_load_nothing_of_trainings_and_nothing_loads_onnxru
 
 @pytest.mark.parametrize("folder", WORKFLOW)
 def test_folders_of_the_workflow_import_only_those_below_them(folder):
-    for path in (PACKAGE.parent / "workflow" / folder).rglob("*.py"):
+    for path in (ROOT / "workflow" / folder).rglob("*.py"):
         names = imported_names(path)
         roots = {name.partition(".")[0] for name in names}
         assert roots & WORKFLOW.keys() <= WORKFLOW[folder] | {folder}, path

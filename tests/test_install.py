@@ -5,19 +5,17 @@ import shutil
 import sys
 import tomllib
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 from flights import frames_of
 from numpy.testing import assert_array_equal
-from processes import run_in
+from processes import ROOT, run_in
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
 from snowsim.io import read_layers, write_dataset
 
-ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]

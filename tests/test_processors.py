@@ -7,12 +7,11 @@ NumPy, Numba and PyTorch.
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import torch
+from processes import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 # Where the processor has no AVX-512, which these kernels need, its own.
 HAS_AVX512 = torch.backends.cpu.get_cpu_capability().startswith("AVX512")
 PLAIN = {"OPENBLAS_CORETYPE": "SkylakeX"} if HAS_AVX512 else {}

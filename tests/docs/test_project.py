@@ -3,16 +3,16 @@
 import importlib
 import re
 import shlex
-from pathlib import Path
 
 import click
 import pytest
 import yaml
+from processes import ROOT
 
 import snowsim
 from snowsim.cli import commands
 
-ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text()
 
 
 def test_citation_names_this_version_and_licence():
@@ -46,24 +46,21 @@ def rule_names():
 
 
 def test_readme_names_targets_and_files_that_are_there(rule_names):
-    readme = (ROOT / "README.md").read_text()
-    targets = re.findall(r"`(\w+)`", readme.split("| target | makes |")[1].split("\n\n")[0])
+    targets = re.findall(r"`(\w+)`", README.split("| target | makes |")[1].split("\n\n")[0])
     assert targets
     assert set(targets) <= rule_names
-    for link in re.findall(r"\]\(((?!http)[^)#]+)\)", readme):
+    for link in re.findall(r"\]\(((?!http)[^)#]+)\)", README):
         assert (ROOT / link).exists(), link
 
 
 def test_readme_is_short():
-    readme = (ROOT / "README.md").read_text()
-    assert len(readme.splitlines()) <= 150
-    assert max(map(len, readme.splitlines())) <= 120
-    assert len(readme.split()) <= 1400
+    assert len(README.splitlines()) <= 150
+    assert max(map(len, README.splitlines())) <= 120
+    assert len(README.split()) <= 1400
 
 
 def test_commands_in_readme_are_commands_with_their_options():
-    readme = (ROOT / "README.md").read_text()
-    lines = re.findall(r"^snowsim (\w+) (.*)$", readme, flags=re.MULTILINE)
+    lines = re.findall(r"^snowsim (\w+) (.*)$", README, flags=re.MULTILINE)
     assert lines
     for name, words in lines:
         command = commands.commands[name]

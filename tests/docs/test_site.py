@@ -2,12 +2,9 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pytest
-from processes import run_in
-
-ROOT = Path(__file__).resolve().parents[2]
+from processes import ROOT, run_in
 
 PUBLIC = (
     "snowsim.score_folders",

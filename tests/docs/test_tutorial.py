@@ -8,12 +8,11 @@ from pathlib import Path
 
 import pytest
 import yaml
-from processes import run_in
+from processes import ROOT, run_in
 from snakemake.utils import update_config
 
 import snowsim
 
-ROOT = Path(__file__).resolve().parents[2]
 NOT_COPIED = shutil.ignore_patterns(
     ".git",
     ".venv",

@@ -1,9 +1,8 @@
 """A report of planted tables, figures and scenes: seconds instead of a run of the workflow."""
 
-from pathlib import Path
-
 import pandas as pd
 import pytest
+from processes import ROOT
 from result_tables import closed_loop, picks, table2, table3_intervals
 from toy_scenes import toy_scene
 
@@ -17,7 +16,7 @@ from evaluation.lib.report import (
 )
 from snowsim.io import read_table
 
-REPORT = Path(__file__).parents[3] / "workflow/evaluation/report"
+REPORT = ROOT / "workflow/evaluation/report"
 
 
 @pytest.fixture(scope="session")
