@@ -40,6 +40,7 @@ def test_eight_bit_scaling_puts_floor_minus_ten_at_0_and_maximum_at_255():
     assert_allclose(maximum_db, 0, atol=1e-12)
     assert image[2, 0] == 255
     assert image[3, 0] == 0
+    assert image[0, 0] == 64  # 255 * 10 / 40 = 63.75
 
 
 def test_eight_bit_image_gives_power_back_within_half_a_step(rng):
