@@ -26,7 +26,6 @@ def test_layers_are_as_bright_as_their_power_and_noise_as_deep_as_the_radar_says
     snow = snowsim.Snowpack(**SNOW, slope=0.001)
     radar = snowsim.Radar.preset("ku-12-18", n_looks=400)
     echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=rng)
-    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
     profile = echogram["Data"].mean("slow_time").values
     below_first_s = layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])
     at = np.rint(below_first_s / radar.bin_s).astype(int)
@@ -238,7 +237,6 @@ def test_any_function_of_a_scene_renders():
     assert image.dtype == np.uint8
     assert image[mask > 0].min() > np.median(image)
     assert_array_equal(mine[2][0], image)
-    assert np.isfinite(mine.scene(2).maximum_db)
 
 
 def test_a_mirror_is_told_that_its_speckle_is_full():

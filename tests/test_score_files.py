@@ -189,7 +189,6 @@ def test_truth_without_a_layer_and_predictions_without_a_truth_are_named(ten):
         "predictions without a truth are left out (1 of 11): extra",
         "in truths without a layer every prediction is false (1 of 10): 1",
     ]
-    assert len(table) == 10 + 3
     row = table.set_index("image").loc["1"]
     assert row[["ods", "n_layers", "n_missed_layers", "n_false_layers"]].tolist() == [0, 0, 0, 1]
 
@@ -257,7 +256,6 @@ def test_layer_files_are_scored_in_the_echogram_s_range_bins(layer_files):
     for files in (folders, [layer_files / name / "frame_layers.nc" for name in ("made", "true")]):
         table = score_folders(*files, picks=True, bin_s=BIN_S, n_bootstrap=1)
         assert_allclose(table["mean_absolute_error_bins"][0], 1.5, rtol=1e-4)
-        assert table["n_missed_layers"][0] == 0
     made, true = files
     with xr.open_dataset(true) as truth:
         peaks = truth["twtt"] + 1.5 * BIN_S

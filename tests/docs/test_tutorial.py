@@ -57,13 +57,6 @@ def clone(tmp_path_factory):
     return folder
 
 
-def run_block(language, code, folder):
-    """What one block prints, run as a reader would from the root of the clone."""
-    shell = ["bash", "-euo", "pipefail", "-c", f"exec 2>&1\n{code}"]
-    python = [folder / ".venv/bin/python", "-c", code]
-    return run_in(folder, *(shell if language == "bash" else python))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("page", "made"),  # files, and how many bytes they have at least
@@ -87,7 +80,9 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made, monkeypat
     found = blocks(ROOT / f"docs/{page}.md")
     assert len(found) >= 9
     for language, code in found:
-        printed = run_block(language, code, clone)
+        shell = ["bash", "-euo", "pipefail", "-c", f"exec 2>&1\n{code}"]
+        python = [clone / ".venv/bin/python", "-c", code]
+        printed = run_in(clone, *(shell if language == "bash" else python))
         # Stages asked for one by one leave nothing to do for the whole.
         if code.rstrip().endswith("snakemake -n"):
             assert "Nothing to be done" in printed

