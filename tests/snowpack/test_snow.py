@@ -1,4 +1,4 @@
-"""Depth, age and accumulation of layers, against layers whose snow is known."""
+"""Depth, age and accumulation of layers whose snow is known: drawn, or that of real cores."""
 
 import numpy as np
 import pandas as pd
@@ -15,43 +15,26 @@ from snowsim.snowpack import accumulation, by_year, pieces, table
 from snowsim.snowpack.firn import temperature_fausto09
 
 N_LINES = 400
-COLUMNS = tuple(
-    [
-        "frame",
-        "time",
-        "lat",
-        "lon",
-        "year",
-        "depth_m",
-        "thickness_m",
-        "accumulation_m_we",
-        "low",
-        "high",
-        "n_years",
-        "confidence",
-        "age_error_years",
-        "flag",
-        "open_m_we",
-    ]
-)
 DENSITY = 400.0
 ERROR_S = 2e-10
+pytestmark = pytest.mark.filterwarnings("ignore:layers. snow of:UserWarning")
 
 
-def layers_of(below_s, names=None):
+def layers_of(below_s):
     """Layers at travel times below the surface (layer, range_line) [s], the surface above them."""
-    twtt = 3e-6 + np.vstack([np.zeros(N_LINES), below_s])
+    n_lines = below_s.shape[1]
+    twtt = 3e-6 + np.vstack([np.zeros(n_lines), below_s])
     on = ("layer", "slow_time")
-    names = names or [f"snow_{n}" for n in range(1, len(twtt))]
     variables = {"twtt": twtt, "twtt_low": twtt - ERROR_S, "twtt_high": twtt + ERROR_S}
     variables |= {"confidence": np.where(np.isfinite(twtt), 0.9, np.nan)}
     content = {name: (on, values) for name, values in variables.items()}
     content |= {name: (on, np.ones(twtt.shape, np.uint8)) for name in ("quality", "type")}
-    latitude = 70 + 5e-5 * np.arange(N_LINES)
+    latitude = 70 + 5e-5 * np.arange(n_lines)
     content |= {"Latitude": ("slow_time", latitude), "Longitude": ("slow_time", 0 * latitude)}
     content |= {"Elevation": ("slow_time", 0 * latitude)}
-    times = np.datetime64("2012-03-30", "ns") + np.arange(N_LINES) * np.timedelta64(40, "ms")
-    return xr.Dataset(content, {"layer": ["surface", *names], "slow_time": times})
+    times = np.datetime64("2012-03-30", "ns") + np.arange(n_lines) * np.timedelta64(40, "ms")
+    names = ["surface", *(f"snow_{n}" for n in range(1, len(twtt)))]
+    return xr.Dataset(content, {"layer": names, "slow_time": times})
 
 
 def below_s(water_m, density=DENSITY):
@@ -95,39 +78,33 @@ def test_every_year_has_the_mass_between_its_horizons(year_m):
 def test_a_horizon_that_is_missed_makes_one_span_of_two_years(year_m):
     times = below_s(water_of(year_m))
     times[4, 100:] = np.nan
-    times[7, :] = np.nan
     found = accumulation(layers_of(times), DENSITY, year=2011)
     assert_array_equal(found["year"], 2011 - np.arange(10))
-    here = slice(200, 300)
-    # Spans of the fourth and fifth year, and of the seventh and eighth.
-    assert_array_equal(found["n_years"][:, 250], [1, 1, 1, 2, 2, 1, 2, 2, 1, 1])
-    assert_array_equal(found["n_years"][:, 50], [1, 1, 1, 1, 1, 1, 2, 2, 1, 1])
-    for years in ([3, 4], [6, 7]):
-        mean_m = year_m[1:][years].mean(axis=0)[here]
-        for year in years:
-            assert_allclose(found["accumulation_m_we"][year, here], mean_m, rtol=1e-9)
-        # Two years about their mean scatter by .3 / 2^.5, beside errors of the picks and density.
-        picks = np.sqrt(2) * ERROR_S / below_s(2 * mean_m)
-        density = np.hypot(0.05, 30 / DENSITY / np.sqrt(2)) / (1 + 0.845e-3 * DENSITY)
-        half = np.hypot(picks, 1.645 * np.hypot(density, 0.3 / np.sqrt(2)))
-        assert_allclose(found["high"][years[0], here] / mean_m - 1, half, rtol=1e-6)
-        assert_allclose(1 - found["low"][years[1], here] / mean_m, half, rtol=1e-6)
+    assert_array_equal(found["n_years"][:, 250], [1, 1, 1, 2, 2, 1, 1, 1, 1, 1])
+    assert (found["n_years"][:, 50] == 1).all()
+    span = found.isel(year=[3, 4], slow_time=slice(200, 300))
+    mean_m = year_m[4:6, 200:300].mean(axis=0)
+    assert_allclose(span["accumulation_m_we"], [mean_m, mean_m], rtol=1e-9)
+    # Two years about their mean scatter by .3 / 2^.5, beside errors of the picks and density.
+    picks = np.sqrt(2) * ERROR_S / below_s(2 * mean_m)
+    density = np.hypot(0.05, 30 / DENSITY / np.sqrt(2)) / (1 + 0.845e-3 * DENSITY)
+    half = np.hypot(picks, 1.645 * np.hypot(density, 0.3 / np.sqrt(2)))
+    assert_allclose(span["high"] / mean_m - 1, [half, half], rtol=1e-6)
+    assert_allclose(1 - span["low"] / mean_m, [half, half], rtol=1e-6)
     depth_m = 1000 * water_of(year_m) / DENSITY
     middle_m = (depth_m[3] + depth_m[5]) / 2
-    assert_allclose(found["depth_m"][4, here], middle_m[here], rtol=1e-9)
+    assert_allclose(span["depth_m"][1], middle_m[200:300], rtol=1e-9)
 
 
 def test_a_pick_between_two_horizons_is_left_out_or_flagged(year_m):
     times = below_s(water_of(year_m))
     between = np.full(N_LINES, np.nan)
     between[150:250] = (0.75 * times[3] + 0.25 * times[4])[150:250]
-    names = [f"snow_{n}" for n in range(1, 13)]
-    found = accumulation(layers_of(np.insert(times, 4, between, 0), names), DENSITY, year=2011)
-    flag = found["flag"].values.astype(int)
+    found = accumulation(layers_of(np.insert(times, 4, between, 0)), DENSITY, year=2011)
     away = np.r_[0:150, 250:N_LINES]
     assert_allclose(found["accumulation_m_we"][:, away], year_m[1:, away], rtol=1e-9)
     same = np.isclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
-    assert (same | (flag > 0)).all()
+    assert (same | (found["flag"] > 0)).all()
 
 
 def test_a_faint_layer_in_the_tail_of_the_surface_is_left_out_and_said_to_be(year_m):
@@ -193,7 +170,7 @@ def test_without_a_year_horizons_above_the_first_layer_are_counted(year_m):
 
 
 def test_a_doubtful_count_is_flagged_there_and_deeper_ages_are_half_a_year_uncertain():
-    water_m = water_of(np.repeat(np.full((11, 1), 0.3), N_LINES, axis=1))
+    water_m = water_of(np.full((11, N_LINES), 0.3))
     regular = accumulation(layers_of(below_s(water_m)), DENSITY, year=2011)
     water_m[5:] += 0.3 * 0.677  # one year or two, by equal odds
     found = accumulation(layers_of(below_s(water_m)), DENSITY, year=2011)
@@ -253,9 +230,9 @@ def test_years_are_fixed_by_names(year_m):
     assert crowded["accumulation_m_we"].notnull().any("slow_time").all()
 
 
-def test_a_gap_of_many_years_is_counted_and_said(year_m):
-    year_m = np.repeat(np.full((40, 1), 0.3), N_LINES, axis=1)
-    times = np.delete(below_s(water_of(year_m)), np.arange(10, 29), axis=0)
+def test_a_gap_of_many_years_is_counted_and_said():
+    water_m = water_of(np.full((40, N_LINES), 0.3))
+    times = np.delete(below_s(water_m), np.arange(10, 29), axis=0)
     with pytest.warns(UserWarning, match="up to 20 years lie between two picks"):
         found = accumulation(layers_of(times), DENSITY, year=2011)
     assert_allclose(found["accumulation_m_we"], 0.3, rtol=1e-9)
@@ -323,6 +300,9 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
     assert_allclose(ratio[single], 1, atol=0.02)
 
 
+AS_IT_IS = xr.Dataset.copy
+
+
 @pytest.mark.parametrize(
     ("change", "options", "message"),
     [
@@ -334,28 +314,28 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
         ),
         (lambda x: x.isel(layer=slice(2)), {}, "expected two horizons on a range line above"),
         (lambda x: x.assign(twtt=-x["twtt"]), {}, "layers must increase strictly with depth"),
-        (lambda x: x, {"density": 30.0}, "density .* must be finite, at least 50, .* got 30"),
-        (lambda x: x, {"density": 950.0}, "at most 917, got 950"),
+        (AS_IT_IS, {"density": 30.0}, "density .* must be finite, at least 50, .* got 30"),
+        (AS_IT_IS, {"density": 950.0}, "at most 917, got 950"),
         (
-            lambda x: x,
+            AS_IT_IS,
             {"temperature_k": -20.0},
             "temperature_k must be .* at least 200, .* got -20",
         ),
         (lambda x: x.isel(layer=[0]), {}, "and others below it .*, found surface$"),
-        (lambda x: x, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
-        (lambda x: x, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
+        (AS_IT_IS, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
+        (AS_IT_IS, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
         (
-            lambda x: x,
+            AS_IT_IS,
             {"year": {"snow_3": 2008, "snow_4": 1997}},
             "11. years contradict their snow",
         ),
         (
-            lambda x: x,
+            AS_IT_IS,
             {"year": {"snow_3": 2008, "snow_6": 2004}, "annual": True},
             "as many years from name to name as layers, found .1. more",
         ),
         (
-            lambda x: x,
+            AS_IT_IS,
             {"density": Profile(np.array([0.1, 0.2]), np.array([400.0, 400.0]), "")},
             "above 0.25 m, where density ends",
         ),
@@ -383,7 +363,23 @@ def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsy
     expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; left out as no horizons: none"
     assert expected in capsys.readouterr().out
     rows = pd.read_csv(path)
-    assert tuple(rows.columns) == COLUMNS
+    assert rows.columns.tolist() == [
+        "frame",
+        "time",
+        "lat",
+        "lon",
+        "year",
+        "depth_m",
+        "thickness_m",
+        "accumulation_m_we",
+        "low",
+        "high",
+        "n_years",
+        "confidence",
+        "age_error_years",
+        "flag",
+        "open_m_we",
+    ]
     assert rows["frame"].unique().tolist() == ["Data_20120330_04_001", "Data_20120330_04_002"]
     first = rows[rows["lat"] == 70].set_index("year")["accumulation_m_we"]
     assert_allclose(first[2011 - np.arange(10)], year_m[1:, 0], rtol=1e-8)
@@ -401,11 +397,7 @@ def test_density_of_the_command_may_be_a_profile_and_years_may_be_named(tmp_path
     named = ["--year", "snow_3=2008", "--year", "snow_4=2007"]
     main(["accumulation", *files, "-o", str(path), "--density", str(core), *named])
     assert "0 picks below the end of the density" in capsys.readouterr().out
-    assert table_years(path) == list(range(2001, 2011))
-
-
-def table_years(path):
-    return sorted(pd.read_csv(path)["year"].unique().tolist())
+    assert set(pd.read_csv(path)["year"]) == set(range(2001, 2011))
 
 
 def test_a_table_has_no_row_without_accumulation(year_m):
@@ -446,3 +438,79 @@ def test_other_endings_write_netcdf_and_a_map(tmp_path, files):
     assert len(lines) == 50
     assert (values[0] > 2000).all()
     assert (tmp_path / "a_years.csv").is_file()
+
+
+MOST_YEARS = 26
+N_GISP2 = 7
+
+
+@pytest.fixture(scope="module")
+def cores(shared_data):
+    """Masses of years [m w.e.], the newest first: 16 cores of GreenTrACS, 7 stretches of GISP2."""
+    folder = shared_data / "snow_radar" / "cores"
+    if not folder.is_dir():
+        pytest.skip(f"no cores: {folder} is no folder")
+    columns = np.genfromtxt(folder / "greentracs" / "Accumulation.txt").T[:-1]
+    series = [core[np.isfinite(core)][:MOST_YEARS] for core in columns]
+    gisp2 = np.loadtxt(folder / "summit" / "gisp2_accum_1939_1743_kgm2.txt") / 1000
+    series += [part[:MOST_YEARS] for part in np.split(gisp2[: N_GISP2 * 28], N_GISP2)]
+    assert len(series) == 23
+    return series
+
+
+def dated(core, picked, **options):
+    """Spans of a core, a row each: true `age` of the upper horizon, and whether `n_years` is right.
+
+    The first horizon lies below .6 years' mass; those `picked` are given.
+    """
+    water_m = water_of(np.append(0.6 * np.median(core), core))
+    horizons = pd.DataFrame({"depth_m": 1000 * water_m / DENSITY, "age": np.arange(water_m.size)})
+    horizons = horizons[picked]
+    layers = layers_of(below_s(np.repeat(water_m[picked, None], 8, axis=1)))
+    options = {"year": 2011 - int(horizons["age"].iloc[0])} | options
+    found = accumulation(layers, DENSITY, **options).isel(slow_time=0).drop_dims("below_s")
+    rows = found.to_dataframe().dropna(subset="depth_m").reset_index()
+    near = {"on": "depth_m", "tolerance": 1e-6, "direction": "nearest"}
+    rows = pd.merge_asof(rows, horizons, **near).dropna(subset="age")
+    base_m = rows["depth_m"] + rows["n_years"] * rows["thickness_m"]
+    base_age = np.interp(base_m, horizons["depth_m"], horizons["age"])
+    rows["right"] = np.isclose(base_age - rows["age"], rows["n_years"])
+    rows["off"] = np.abs(2011 - rows["year"] - rows["age"])
+    rows["within"] = rows["off"] <= np.ceil(rows["age_error_years"])
+    return rows
+
+
+def test_where_every_layer_is_a_year_all_years_of_cores_are_dated_rightly(cores):
+    for core in cores:
+        rows = dated(core, np.ones(core.size + 1, bool), annual=True)
+        assert len(rows) == core.size
+        assert (rows["off"] == 0).all()
+        assert rows["flag"].mean() < 0.1
+
+
+@pytest.mark.parametrize(("n_missing", "right"), [(0, 1), (1, 0.95), (2, 0.5)])
+def test_without_a_year_missing_horizons_above_the_first_are_counted(cores, n_missing, right):
+    # Flown half a year after the autumn of 2011; without the newest horizons.
+    picked = [np.arange(core.size + 1) >= n_missing for core in cores]
+    dates = [dated(*each, year=None, annual=False) for each in zip(cores, picked, strict=True)]
+    first = pd.concat(each.head(1) for each in dates)
+    assert (first["off"] == 0).mean() >= right
+    assert first["within"].all()
+
+
+@pytest.mark.parametrize(
+    ("missing", "within", "error_years", "flagged", "unsaid"),
+    [(0, 0.9, 2.5, 0.4, 0.03), (0.2, 0.85, 4, 0.6, 0.05)],
+)
+def test_counted_years_of_cores_are_right_within_their_error(
+    cores, missing, within, error_years, flagged, unsaid
+):
+    rng = np.random.default_rng(20)
+    picked = [rng.random(core.size + 1) >= missing for core in cores]
+    dates = [dated(*each, annual=False) for each in zip(cores, picked, strict=True)]
+    deepest = pd.concat(each.tail(1) for each in dates)
+    assert deepest["age_error_years"].median() < error_years
+    rows = pd.concat(dates)
+    assert rows["within"].mean() > within
+    assert rows["flag"].mean() < flagged
+    assert (~rows["right"] & (rows["flag"] == 0)).mean() < unsaid
