@@ -16,7 +16,6 @@ from snowsim.tracker import (
     half_width_rows,
     join,
     link,
-    log_odds_by_lines,
     pick_layers,
 )
 
@@ -28,13 +27,6 @@ def candidates_of(lines):
     first = np.cumsum([0, *map(len, lines)])
     rows, log_odds = np.array([peak for line in lines for peak in sorted(line)]).reshape(-1, 2).T
     return Candidates(first, rows.astype(np.float32), log_odds.astype(np.float32))
-
-
-def rows_of(pieces, n_lines):
-    rows = np.full((len(pieces), n_lines), np.nan)
-    for number, piece in enumerate(pieces):
-        rows[number, piece.line] = piece.row
-    return rows
 
 
 def test_the_way_through_a_fade_is_the_one_with_more_evidence():
@@ -57,17 +49,16 @@ def test_layers_never_cross_whatever_the_candidates_are(seed):
         rows = np.unique(rng.uniform(0, 60, rng.integers(0, 25)).round(1))
         lines.append([(row, rng.normal(0.6, 1)) for row in rows])
     # So that many chains are taken.
-    pieces = link(candidates_of(lines), Linking(evidence_log_odds=12.0), EVEN)
-    check_layer_bins(rows_of(join(pieces), n_lines))
+    pieces = join(link(candidates_of(lines), Linking(evidence_log_odds=12.0), EVEN))
+    layers = np.full((len(pieces), n_lines), np.nan)
+    for layer, piece in zip(layers, pieces, strict=True):
+        layer[piece.line] = piece.row
+    check_layer_bins(layers)
 
 
 def piece_of(first, stop, row, slope=0.0):
     line = np.arange(first, stop)
     return Piece(line, row + slope * line, np.ones(line.size))
-
-
-def n_lines_of(pieces):
-    return [piece.line.size for piece in join(pieces)]
 
 
 @pytest.mark.parametrize(("gap", "longest"), [(50, 300), (1000, 2000)])
@@ -77,8 +68,8 @@ def test_pieces_join_where_the_layers_beside_them_foretell_it_and_not_elsewhere(
     right = piece_of(100 + gap, longest, 50, 0.06)
     # Half-way between two layers that part, it stays half-way.
     beneath = piece_of(0, longest, 70, 0.07)
-    joined = [longest, longest - gap, longest]
-    assert n_lines_of([beneath, right, left, above]) == joined
+    joined = join([beneath, right, left, above])
+    assert [piece.line.size for piece in joined] == [longest, longest - gap, longest]
     off = piece_of(100 + gap, longest, 57, 0.06)
     assert len(join([above, left, off, beneath])) == 4
 
@@ -154,42 +145,3 @@ def test_gaps_are_bridged_up_to_the_longest_and_specks_are_dropped():
 def test_maps_and_thresholds_beyond_their_limits_are_refused(largest, threshold, message):
     with refusal(message):
         pick_layers(np.full((9, 9), largest), threshold=threshold, where="map")
-
-
-@pytest.fixture(scope="module", params=[1, 2])
-def multi_scale(request):
-    """Logits of a network of width 1 with drawn weights, as shipped and without averages."""
-    torch = pytest.importorskip("torch")
-    from snowsim.tracker import MultiScaleNetwork
-
-    network = MultiScaleNetwork(1, n_averaged=request.param)
-    network.initialise(rng=np.random.default_rng(3))
-    with torch.no_grad():
-        for side in network.sides:
-            side.weight.mul_(30)  # from N(0, 0.01), that all stages count
-            side.bias.fill_(0.1)
-
-    def run(images):
-        with torch.inference_mode():
-            return network(torch.from_numpy(images))[-1].numpy()
-
-    return run
-
-
-@pytest.mark.parametrize("size", [(300, 700), (1291, 517)])
-def test_an_echogram_in_windows_gives_what_the_whole_gives(multi_scale, rng, size, monkeypatch):
-    image = rng.integers(0, 256, size, dtype=np.uint8)
-
-    def cut(first, stop):
-        return image[:, first:stop]
-
-    def logits(window):
-        for name in ("WINDOW_ROWS", "WINDOW_LINES"):
-            monkeypatch.setitem(log_odds_by_lines.__globals__, name, window)
-        parts = log_odds_by_lines(multi_scale, cut, *size)
-        return np.concatenate([part for _, part, _ in parts], axis=1)
-
-    whole = logits(4096)
-    assert np.ptp(whole) > 1e-3
-    # Sums of 32-bit products in another order.
-    assert_allclose(logits(256), whole, atol=2e-6 * np.abs(whole).max() + 1e-6)

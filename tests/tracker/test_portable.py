@@ -11,7 +11,13 @@ from scipy.special import expit
 from snowsim.front import REFERENCE
 from snowsim.io import read_tracker
 from snowsim.patches import to_signed
-from snowsim.tracker import MultiScaleNetwork, network_of_onnx, to_onnx
+from snowsim.tracker import (
+    MultiScaleNetwork,
+    log_odds_by_lines,
+    network_of_onnx,
+    runner,
+    to_onnx,
+)
 
 SHIPPED = REFERENCE.parent / "universal.onnx"
 
@@ -43,6 +49,23 @@ def test_probability_is_that_of_torch_at_any_size(network, rng, shape):
     assert found.shape == expected.shape
     # Sums of some hundred products of float32, in another order.
     assert_allclose(found, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("size", [(300, 700), (1291, 517)])
+def test_an_echogram_in_windows_gives_what_the_whole_gives(network, rng, size, monkeypatch):
+    image = rng.integers(0, 256, size, dtype=np.uint8)
+    run = runner(to_onnx(network))
+
+    def logits(window):
+        for name in ("WINDOW_ROWS", "WINDOW_LINES"):
+            monkeypatch.setitem(log_odds_by_lines.__globals__, name, window)
+        parts = log_odds_by_lines(run, lambda first, stop: image[:, first:stop], *size)
+        return np.concatenate([part for _, part, _ in parts], axis=1)
+
+    whole = logits(4096)
+    assert np.ptp(whole) > 1e-3
+    # Sums of 32-bit products in another order.
+    assert_allclose(logits(256), whole, atol=2e-6 * np.abs(whole).max() + 1e-6)
 
 
 def test_an_offset_is_taken_off_every_logit_and_what_is_told_stands_in_the_file(network, rng):

@@ -21,11 +21,6 @@ def drawn(network, rng):
 
 
 @pytest.fixture
-def network(rng):
-    return drawn(MultiScaleNetwork(2), rng)
-
-
-@pytest.fixture
 def noise(rng):
     """Image of so many rows and columns."""
     return lambda *size: torch.from_numpy(rng.standard_normal((1, 1, *size)).astype(np.float32))
@@ -70,9 +65,9 @@ def test_side_outputs_upsample_about_pixel_centres():
 
 
 def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(
-    network, noise, rng
+    noise, rng
 ):
-    logits = network(noise(32, 32))
+    logits = drawn(MultiScaleNetwork(2), rng)(noise(32, 32))
     assert_allclose(logits[5], logits[:5].mean(dim=0), atol=1e-6)
     network, x = drawn(MultiScaleNetwork(8), rng), noise(64, 64)
     for stage in network.stages:

@@ -8,7 +8,7 @@ from scipy.special import expit
 from toy_scenes import toy_scene
 from trainings import trained
 
-from snowsim.tracker import OUTPUTS, Settings, balanced_cross_entropy, rate_factor, track
+from snowsim.tracker import Settings, balanced_cross_entropy, rate_factor, track
 
 TINY = Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 
@@ -19,12 +19,8 @@ def learnt():
 
 
 def test_the_loss_falls_and_the_fuse_separates_layers_from_background_on_an_unseen_scene(learnt):
-    losses = {name: [step[name] for step in learnt[1]] for name in OUTPUTS}
-    for name in ("side_1", "side_2", "side_3", "side_4", "fuse"):
-        at_first = np.mean(losses[name][:5])
-        assert np.mean(losses[name][-20:]) < 0.8 * at_first, name
-    at_first = np.mean(losses["fuse"][:5])
-    assert np.mean(losses["fuse"][-20:]) < 0.4 * at_first
+    losses = [step["fuse"] for step in learnt[1]]
+    assert np.mean(losses[-20:]) < 0.4 * np.mean(losses[:5])
     scene = toy_scene(99)
     fuse = track(learnt[0].network, scene.image)[5]
     on, off = fuse[scene.mask()], fuse[~scene.mask()]
