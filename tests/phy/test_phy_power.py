@@ -126,20 +126,11 @@ def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_pow
     assert largest_error_db(fast, expected, max(noise_power, 1e-8 * largest)) <= TABLE_LIMIT_DB
 
 
-GOOD = {
-    "layer_bins": [[10.0, 11.0], [20.0, 21.0]],
-    "n_range_bins": 40,
-    "peak_power": [1.0, 0.5],
-    "variance_bins2": [10.0, 12.0],
-    "decay_rate": [0.05, 0.07],
-}
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"peak_power": [-2, 1]}, r"peak_power must be finite, at least 0, got -2 at \(0,\)"),
-        ({"peak_power": [[1, 1], [np.nan, 1]]}, r"peak_power must .*, got nan at \(1, 0\)"),
+        ({"peak_power": [4 * [1], [np.nan, 1, 1, 1]]}, r"peak_power must .*, got nan at \(1, 0\)"),
         (
             {"decay_rate": [0.05]},
             r"decay_rate: expected one value for each of 2 layers, got shape \(1,\)",
@@ -153,4 +144,4 @@ GOOD = {
 )
 def test_bad_input_is_refused_with_name_value_and_position(change, message):
     with refusal(message):
-        mean_power(**(GOOD | change))
+        mean_power(**(PLAIN | FAR_APART | change))

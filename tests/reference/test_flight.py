@@ -1,6 +1,6 @@
 import numpy as np
 from flights import BARE, climate_of, column_at
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from refusals import refusal
 from scipy.ndimage import convolve1d
 
@@ -97,7 +97,6 @@ def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(clima
     echogram, layers = draw_frame(3, 20, 192, climate=climate, settings=settings, rng=rng)
     check_echogram(echogram)
     check_layers(layers)
-    assert echogram["Data"].dims == ("twtt", "slow_time")
     assert echogram["Data"].dtype == np.float32
     assert np.isfinite(echogram["Data"]).all()
     for dataset in (echogram, layers):
@@ -106,8 +105,7 @@ def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(clima
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
     assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
-    bins = layer_bins_of(layers, echogram)
-    assert np.abs(bins[0] - settings.radar.surface_bin).max() < 5
+    assert_allclose(layer_bins_of(layers, echogram)[0], settings.radar.surface_bin, atol=5)
 
 
 def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
@@ -116,19 +114,17 @@ def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
 
 
 def test_segment_is_5_km_of_complex_looks_that_are_independent_and_fifteen_layers(climate, rng):
-    settings = climate.settings
-    segment = draw_complex_segment(climate=climate, settings=settings, rng=rng)
+    segment = draw_complex_segment(climate=climate, settings=climate.settings, rng=rng)
     assert segment.attrs["synthetic"].startswith("synthetic")
     assert segment.sizes["slow_time"] == 962 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)
     assert segment.sizes["layer"] > 15
-    rows = (segment["layer_twtt"].values - segment["twtt"].values[0]) / settings.radar.bin_size_s
+    assert np.isfinite(segment["layer_twtt"]).all()
     echo = (segment["Real"] + 1j * segment["Imaginary"]).values
-    surface = echo[np.rint(rows[0]).astype(int), np.arange(echo.shape[1])]
-    # Looks are independent: the mean product of neighbours scatters by 1 / sqrt(n) of the power.
-    neighbours = np.mean(surface[1:] * surface[:-1].conj())
-    assert abs(neighbours) < 4 / np.sqrt(surface.size) * np.mean(np.abs(surface) ** 2)
-    assert_array_equal(np.isfinite(segment["layer_twtt"]), True)
+    # The mean product of neighbours scatters by 1 / sqrt(n) of the power; one row counts at least.
+    neighbours = np.mean(echo[:, 1:] * echo[:, :-1].conj())
+    assert abs(neighbours) < 4 / np.sqrt(echo.shape[1]) * np.mean(np.abs(echo) ** 2)
+    assert abs(np.mean(echo**2)) < 4 / np.sqrt(echo.shape[1]) * np.mean(np.abs(echo) ** 2)
 
 
 def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):

@@ -67,17 +67,6 @@ def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
     assert_allclose(measured, field**2, atol=4 * 3 / np.sqrt(3e5))
 
 
-def test_looks_range_lines_and_phases_are_independent(rng):
-    amplitude = np.sqrt(flat_field(200, 300, 1) / 2)
-    look = rd.draw_look(amplitude, RADAR, MARGIN, rng=rng)
-    other = rd.draw_look(amplitude, RADAR, MARGIN, rng=rng)
-    bound = 4 / np.sqrt(look.size)
-    assert_allclose(np.mean(np.abs(look) ** 2), 1, rtol=bound * 1.2)
-    assert abs(np.mean(look * other.conj())) < bound
-    assert abs(np.mean(look[1:] * look[:-1].conj())) < bound
-    assert abs(np.mean(look**2)) < bound * 1.5  # circular
-
-
 def test_received_mean_is_that_of_many_looks_and_does_not_depend_on_the_window(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
@@ -105,8 +94,6 @@ def test_gain_jumps_and_rolls_as_often_as_asked(rng):
     jumping = RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0)
     gain = rd.draw_receiver_gain(100_000, jumping, rng=rng)
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
-    steady = RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0)
-    assert (rd.draw_receiver_gain(1000, steady, rng=rng) == 1).all()
 
 
 def test_compensation_leaves_fractions_of_a_bin(rng):
