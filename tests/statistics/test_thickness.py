@@ -11,7 +11,6 @@ from planted_labels import N_LINES, SPACING_M, law
 from refusals import refusal
 from scipy.signal import lfilter
 
-from snowsim.io import read_layers
 from snowsim.statistics.paper import thickness_spectra
 from snowsim.statistics.relief import (
     LAGS,
@@ -233,29 +232,21 @@ def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
 HORIZON_STEP_NS = 0.2
 
 
-def blocks_of(depth_bins):
-    """Layers (layer, range_line) in whole blocks, (block, layer, range_line)."""
-    return sliding_window_view(depth_bins, N_LINES, axis=1)[:, ::N_LINES].swapaxes(0, 1)
-
-
 def horizons(shared_data):
-    """Firn horizons of a sled radar, picked by hand, of the smallest offset, in their steps."""
+    """Firn horizons of a sled radar, picked by hand, of the smallest offset, in their steps.
+
+    In whole blocks, (block, layer, range_line).
+    """
     folder = shared_data / "snow_radar/horizons_greentracs"
     with h5py.File(folder / "6-2-16-Core7-Spur-W-TimeHorizon.mat") as file:
         references = file["ReflectionFBpick"][:, 0]
         twtt_ns = np.array([file[reference][0] for reference in references])
-    return blocks_of(twtt_ns[np.argsort(twtt_ns.mean(axis=1))] / HORIZON_STEP_NS)
+    depth_bins = twtt_ns[np.argsort(twtt_ns.mean(axis=1))] / HORIZON_STEP_NS
+    return sliding_window_view(depth_bins, N_LINES, axis=1)[:, ::N_LINES].swapaxes(0, 1)
 
 
-def surface_and_bottom(shared_data):
-    """Ice between surface and bottom, picked by people and trackers in CReSIS frames, in ns."""
-    paths = sorted((shared_data / "cresis_layers/20181030_01").glob("Data_*.mat"))
-    return 1e9 * np.concatenate([blocks_of(read_layers(path)["twtt"].values[:2]) for path in paths])
-
-
-@pytest.mark.parametrize("read", [horizons, surface_and_bottom])
-def test_the_law_holds_for_layers_that_people_picked(read, shared_data):
-    changes = mean_square_changes(read(shared_data))
+def test_the_law_holds_for_layers_that_people_picked(shared_data):
+    changes = mean_square_changes(horizons(shared_data))
     of_layer, of_slab = law(fit_relief(changes, LAG_M), LAG_M)
     known = np.isfinite(changes)
     apart = np.arange(1, len(changes) + 1)[:, None]

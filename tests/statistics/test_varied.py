@@ -23,13 +23,6 @@ def flight():
     return read_dataset(REFERENCE)
 
 
-def test_no_variation_changes_nothing(flight):
-    same = changed(flight, Variation())
-    for name, values in flight.variables.items():
-        assert_array_equal(same[name], values, err_msg=name)
-    assert flight.attrs.items() <= same.attrs.items()
-
-
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_thicker_snow_is_drawn_as_much_thicker_and_as_wavy(flight, factor):
     other = changed(flight, Variation(thickness=factor))

@@ -83,13 +83,6 @@ def test_pieces_that_cross_where_one_has_no_pick_are_all_kept():
     assert [piece.row.mean() for piece in found] == [50, dips.row.mean(), 70]
 
 
-def test_no_layer_is_joined_across_another():
-    left = piece_of(0, 100, 52)
-    right = piece_of(120, 300, 52)
-    across = Piece(np.arange(90, 130), np.linspace(60, 44, 40), np.ones(40))
-    assert len(join([left, right, across])) == 3
-
-
 def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
     weak, strong = (Piece(np.arange(200), np.full(200, 9.0), np.full(200, x)) for x in (0.2, 2.0))
     coefficients = (-0.6, 0.1, 1.1)
