@@ -67,6 +67,14 @@ def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
     assert_allclose(measured, field**2, atol=4 * 3 / np.sqrt(3e5))
 
 
+def test_range_lines_and_phases_of_a_look_are_independent(rng):
+    look = rd.draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
+    bound = 4 / np.sqrt(look.size)
+    assert_allclose(np.mean(np.abs(look) ** 2), 1, rtol=bound * 1.2)
+    assert abs(np.mean(look[1:] * look[:-1].conj())) < bound
+    assert abs(np.mean(look**2)) < bound * 1.5  # circular
+
+
 def test_received_mean_is_that_of_many_looks_and_does_not_depend_on_the_window(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5

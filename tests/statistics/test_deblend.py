@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
-from flights import frames_of
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 from planted import Planted
 
-from snowsim.statistics import estimate, fit, summarise
+from snowsim.statistics import estimate, summarise
 
 
 def fitted(power, layer_bins):
@@ -65,21 +64,3 @@ def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
     # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086
     # and 0.090.
     assert_allclose(found["decay_rate"][-1], 0.1, rtol=0.08)
-
-
-def test_a_surface_far_wider_than_its_pick_is_no_solution():
-    # One flight of the study of flights: fits from a wide start end at a surface of variance 200,
-    # whose own peak counts as unpicked.
-    firn = {"surface_density_kg_m3": 359.7, "horizon_jump_kg_m3": 162.1, "crusts_per_year": 1.662}
-    firn |= {"layering_sd_kg_m3": 55.32, "fade_depth_m": 2.563, "crust_jump_kg_m3": 40.44}
-    firn |= {"horizon_year_sd": 0.432}
-    radar = {"bandwidth_hz": 5.861e9, "surface_to_noise_db": 24.49, "roughness_m": 0.0266}
-    radar |= {"surface_slope": 0.01909, "horizon_slope": 0.02585, "line_gain_sd_db": 0.5538}
-    radar |= {"sidelobe_db": -33.98, "band_noise_db": -3.862}
-    climate = {"accumulation_factor": 1.126, "anomaly_sd": 0.1818, "undulation_sd": 0.08852}
-    climate |= {"drift_sd": 0.08467, "relief_sd": 0.0567, "open_year": 0.7883}
-    frames = frames_of({"climate": climate, "firn": firn, "radar": radar}, 2, 256, seed=2004)
-    statistics = fit(frames)
-    # In the flight itself .79; the surface is set to power 1.
-    assert_allclose(statistics["variance_bins2"][0], 0.79, rtol=0.2)
-    assert_allclose(statistics["peak_power"][0], 1, rtol=0.2)
