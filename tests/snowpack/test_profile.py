@@ -83,12 +83,6 @@ def test_simulated_echoes_are_those_of_a_transfer_matrix(band):
     solved = transfer_matrix_power(slabs, radar, delay_s)
     at = [np.abs(delay_s - one_s).argmin() for one_s in layer_s]
     assert_allclose(to_db(power[at]), to_db(solved[at]), atol=0.15)
-    for one_s in layer_s:
-        around_s = one_s + radar.bin_s * np.linspace(-3, 3, 601)
-        peak = transfer_matrix_power(slabs, radar, np.append(around_s, delay_s[-1]))[:-1].argmax()
-        # The same 1.5 % turns by up to pi within 1 / B, over which the response's peak bends by
-        # 1.3: it moves by .037 / B, .15 bins.
-        assert abs(around_s[peak] - one_s) < 0.15 * radar.bin_s
 
     # Ice of 5 mm, faint where the fields of its two interfaces almost cancel: r^2 of 2.5 %, left
     # out as multiples within it, is .2 dB.

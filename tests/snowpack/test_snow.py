@@ -7,7 +7,6 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
-import snowsim
 from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io import Profile, write_dataset
@@ -281,23 +280,6 @@ def test_a_profile_of_one_density_is_that_density_and_ends_where_it_ends(year_m)
     assert_allclose(found["accumulation_m_we"].values[measured], values[measured], rtol=1e-9)
     n_below = (1000 * water_of(year_m) / DENSITY > 5).sum()
     assert found.attrs["n_below_profile"] == n_below
-
-
-def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
-    climate = snowsim.Climate(accumulation_m=0.4, variability=0.15, density_sd_kg_m3=0)
-    _, layers = snowsim.simulate(climate, "snow-2012", n_range_lines=N_LINES, rng=3)
-    found = accumulation(
-        layers_of((layers["twtt"] - layers["twtt"][0]).values[1:]),
-        340.0,
-        year=2011,
-        temperature_k=243.0,
-    )
-    true_m = np.diff(layers["water_m"].values, axis=0)[1:]
-    single = found["n_years"].values == 1
-    assert single.mean() > 0.8
-    # The climate's mean, .4, is not that of these twenty years, and slabs are of one density each.
-    ratio = found["accumulation_m_we"].values / true_m[: found.sizes["year"]]
-    assert_allclose(ratio[single], 1, atol=0.02)
 
 
 AS_IT_IS = xr.Dataset.copy
