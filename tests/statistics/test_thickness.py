@@ -115,24 +115,24 @@ def test_level_layers_have_no_relief_and_one_slab_gives_all_its_change_to_it(rng
     level = np.full((8, 3, N_LINES), 40.0) * np.arange(3)[:, None]
     flat = fit_relief(mean_square_changes(level), LAG_M)
     assert flat["relief_variance_bins2"] == flat["slab_change_bins2"] == 0
-    still = surface_statistics(summary_of(level))
-    assert still["surface_error_bins"][1] == still["surface_movement_bins"][1] == 0
+    still = xr.Dataset(surface_statistics(summary_of(level)))
+    assert still["surface_error_bins"] == still["surface_movement_bins"] == 0
     single = fit_relief(mean_square_changes(planted_layers(rng)[:, :2]), LAG_M)
     assert single["relief_variance_bins2"] > 0
     assert single["slab_change_bins2"] == 0
 
 
 def of_level_slabs(mean, **settings):
-    """Variables and attributes of blocks of level slabs (block, slab)."""
+    """Statistics of blocks of level slabs (block, slab)."""
     depth = np.cumsum(np.pad(mean, [(0, 0), (1, 0)]), axis=1)
     depth = np.repeat(depth[..., None], N_LINES, axis=2)
     found, attributes = thickness_statistics(summary_of(depth), estimator="deblended", **settings)
-    return {name: values for name, (_, values) in found.items()}, attributes
+    return xr.Dataset(found, attrs=attributes)
 
 
 def test_zones_are_quartiles_of_first_slab_block_means(rng):
     mean = rng.permutation(np.arange(20.0, 60.0))  # 40 blocks, 10 a zone
-    found, attributes = of_level_slabs(np.stack([mean, 0.5 * mean], axis=1))
+    found = of_level_slabs(np.stack([mean, 0.5 * mean], axis=1))
     assert_allclose(found["zone_edge_bins"], np.quantile(mean, [0, 0.25, 0.5, 0.75, 1]))
     assert_allclose(found["thickness_mean_bins"][:, 0], [24.5, 34.5, 44.5, 54.5])
     assert_allclose(found["relative_thickness_mean"][:, 1], 0.5, rtol=1e-12)
@@ -140,8 +140,8 @@ def test_zones_are_quartiles_of_first_slab_block_means(rng):
     assert_array_equal(found["n_samples"], 10)
     assert_array_equal(found["n_blocks_by_layers"], [[0, 0, 10]] * 4)
     assert_allclose(found["first_thickness_quantile_bins"][[0, -1]], [20, 59])
-    assert attributes["n_blocks"] == 40
-    by_edges, _ = of_level_slabs(mean[:, None], zone_edge_bins=[0, 30, 100])
+    assert found.attrs["n_blocks"] == 40
+    by_edges = of_level_slabs(mean[:, None], zone_edge_bins=[0, 30, 100])
     assert_array_equal(by_edges["n_samples"], [[10], [30]])
 
 
@@ -149,7 +149,7 @@ def test_means_of_slabs_vary_as_planted(rng):
     level = rng.uniform(30, 60, 800)
     years = rng.standard_normal((800, 6))
     share = np.concatenate([np.ones((800, 1)), 1 + 0.1 * years], axis=1)
-    found, _ = of_level_slabs(level[:, None] * share)
+    found = of_level_slabs(level[:, None] * share)
     # 200 blocks a zone: variances to 10 %; allow four. Slab 0 has none in units of itself.
     variance = np.tile([0, *[0.01] * 5], (4, 1))
     assert_allclose(found["relative_thickness_variance"][:, :6], variance, rtol=0.4, atol=1e-12)
@@ -219,8 +219,7 @@ def surface_rows(n, rng, *, levelled):
 @pytest.mark.parametrize("levelled", [True, False])
 def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
     rows = surface_rows(300, rng, levelled=levelled)
-    summary = summary_of(rows[:, None], rows)
-    found = {name: values for name, (_, values) in surface_statistics(summary).items()}
+    found = xr.Dataset(surface_statistics(summary_of(rows[:, None], rows)))
     # 300 rows of some 6 lengths: to 3 %; allow three.
     assert_allclose(found["surface_error_bins"], 0.9, rtol=0.1)
     assert_allclose(found["surface_error_length_m"], 40 * SPACING_M, rtol=0.15)
