@@ -1,5 +1,5 @@
 import numpy as np
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from planted_labels import N_LINES, PLAIN_RELIEF, planted
 from refusals import refusal
 
@@ -43,18 +43,19 @@ def test_a_trend_is_found_again_and_leaves_the_mean():
 
 
 def test_a_fold_bends_layers_in_proportion_to_their_depth():
-    phase = 2 * np.pi * np.arange(N_LINES) / 48
-    wave = np.column_stack([np.sin(phase), np.cos(phase), np.ones(N_LINES)])
     for scene in scenes(SMOOTH, Nonstationary(fold_sd_bins=6.0, fold_length_lines=48.0), n=40):
-        bend = scene.layer_bins - scene.layer_bins.mean(axis=1, keepdims=True)
-        amplitude = np.hypot(*np.linalg.lstsq(wave, bend.T, rcond=None)[0][:2])
+        bins = scene.layer_bins
+        # Thickness is a multiple of 2^-12 bins; a crest may lie half a line beside one.
+        atol = len(bins) * 2**-11
+        assert_allclose(bins[:, 48:], bins[:, :-48], atol=atol)
+        amplitude = np.ptp(bins, axis=1) / 2
         expected = abs(scene.notes["fold_bins"])
-        assert_allclose(amplitude[-1], expected, atol=len(amplitude) * 2**-12)
-        assert_array_equal(bend[0], 0)
-        depth = scene.layer_bins.mean(axis=1) - 50
+        assert_allclose(amplitude[-1], expected, rtol=0.01, atol=atol)
+        assert amplitude[0] == 0
+        depth = bins.mean(axis=1) - 50
         # The thickness of a slab holds a little of the fold in its mean, 48 lines do not divide
         # 256: to 10 %.
-        assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=2**-9)
+        assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=atol)
 
 
 def test_only_the_zones_asked_for_are_bent():

@@ -6,18 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from flights import climate_of
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, PLAIN_RELIEF, RELIEF, SPACING_M, law, planted
 from refusals import refusal
 
-from reference import draw_scene as reference_scene
 from snowsim.echogram import Echoes, Kind, check_layer_bins, scene_height
-from snowsim.front import REFERENCE
-from snowsim.io import SceneSet, read_dataset, write_scenes
+from snowsim.io import SceneSet, write_scenes
 from snowsim.labels import draw, draw_scene, prepare, redress
 from snowsim.labels.undulations import draw_stationary
-from snowsim.seeding import random_stream
 
 LAGS = np.array([1, 4, 16, 64, N_LINES - 1])  # scenes do not meet their own beginning again
 
@@ -166,30 +162,6 @@ def test_impossible_widths_are_refused(rng):
         draw(prepare(planted(), N_LINES), 128, rng=rng)
     with refusal("n_range_lines must be a whole number of at least 2"):
         draw(planted(), 1, rng=rng)
-
-
-def test_layers_of_the_packaged_flight_change_along_track_as_annotated_ones():
-    """The picker's errors, as long as the lines that it averages, look like relief."""
-    seed = 20120429
-    climate = climate_of({}, seed)
-    how = {"climate": climate, "settings": climate.settings, "n_looks": 16}
-    annotated = []
-    for scene in range(12):
-        rng = random_stream(seed, "reference_scenes", "validation", scene)
-        truth = reference_scene(scene, "validation", **how, rng=rng)
-        annotated.append(truth.complete_layer_bins)
-    model = prepare(read_dataset(REFERENCE), N_LINES)
-    drawn = [draw(model, N_LINES, rng=np.random.default_rng(number)) for number in range(200)]
-    for lag in LAGS[1:-1]:
-        # From line to line, whole-bin picks do not tell; the median of 12 scenes scatters by a
-        # quarter.
-        assert 0.5 < median_change(drawn, lag) / median_change(annotated, lag) < 2
-
-
-def median_change(scenes, lag):
-    """Median over scenes of the mean square change of their slabs' thickness over some lines."""
-    slabs = [np.diff(layer_bins, axis=0) for layer_bins in scenes if len(layer_bins) > 1]
-    return np.median([change_of(thickness, lag) for thickness in slabs])
 
 
 def test_the_background_starts_at_the_surface_and_further_echoes_below_the_last_layer(drawn):
