@@ -82,16 +82,14 @@ def test_three_stages_drop_out_from_the_innermost_on(rng):
     assert set(noise[5].unique().tolist()) == {0.0, 2.0}
 
 
-def test_it_learns_at_a_constant_rate_and_renders_scenes_of_any_size_with_noise(rng):
+def test_it_learns_at_a_constant_rate_and_renders_scenes_of_any_size(rng):
     settings = replace(SMALL, n_steps=40)
     training, losses = trained(settings, n_scenes=4)
     rates = {group["lr"] for group in training.optimisers["generator_adam"].param_groups}
     assert rates == {settings.learning_rate}
     assert losses[-1]["l1"] < losses[0]["l1"]
-    scene = toy_scene(4, 150, 70)
-    first, second = (render(training.generator, scene, settings, rng=rng) for _ in range(2))
-    assert (first.shape, first.dtype) == ((150, 70), np.uint8)
-    assert (first != second).any()
+    image = render(training.generator, toy_scene(4, 150, 70), settings, rng=rng)
+    assert (image.shape, image.dtype) == ((150, 70), np.uint8)
 
 
 @pytest.mark.parametrize("sizes", [(None, 32), (32, 40)])

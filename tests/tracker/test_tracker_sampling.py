@@ -67,14 +67,11 @@ def test_sets_without_scenes_are_refused(real, added, words):
 
 
 def test_completed_scenes_show_every_layer():
-    picked = toy_scenes(2)
-    part = picked[0].layer_bins.copy()
-    part[2:] = np.nan
-    picked[0] = dataclasses.replace(
-        picked[0], layer_bins=part, complete_layer_bins=picked[0].layer_bins
-    )
-    completed = Completed(picked)
+    part, whole = toy_scenes(2)
+    part = dataclasses.replace(part, complete_layer_bins=part.layer_bins.copy())
+    part.layer_bins[2:] = np.nan
+    completed = Completed([part, whole])
     assert len(completed) == 2
     assert np.isfinite(completed[0].layer_bins).all()
     assert completed[0].complete_layer_bins is None
-    assert completed[1] is picked[1]
+    assert completed[1] is whole
