@@ -270,8 +270,7 @@ def test_three_lines_give_a_surface_and_nothing_that_crosses(tracker, frame):
     echogram, layers = (each.isel(slow_time=slice(3)) for each in frame)
     found = tracker.pick(echogram)
     check_layers(found)
-    error = (found["twtt"].values[0] - layers["twtt"].values[0]) / BIN_S
-    assert np.abs(error).max() < TOLERANCE_BINS
+    assert_allclose(found["twtt"][0], layers["twtt"][0], rtol=0, atol=TOLERANCE_BINS * BIN_S)
 
 
 @pytest.mark.parametrize(
