@@ -7,7 +7,6 @@ from scipy.ndimage import convolve1d
 from reference import draw_complex_segment, draw_frame
 from reference.column import reflectivity, surface_reflectivity
 from reference.echo import draw_echo, draw_layering, draw_stretch
-from reference.line import line_length_km
 from reference.radar import range_response
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
@@ -22,13 +21,6 @@ def echo_of(reference, surface_row, n_range_bins, rng):
         column, surface_row, n_range_bins, climate.settings.firn, climate.settings.radar, rng=rng
     )
     return column.layer_bins(surface_row), echo
-
-
-def test_horizons_never_cross_down_to_the_end_of_a_column(climate, rng):
-    for km in (10, 700, line_length_km() - 10):
-        column = column_at(climate, km, 64, 600, rng=rng)
-        assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
-        assert column.horizons.bins[-1].max() > 560
 
 
 def test_thickness_of_a_year_is_its_accumulation_and_density(rng):

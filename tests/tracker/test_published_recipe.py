@@ -49,13 +49,13 @@ def unlike_scenes():
 
 def items_of_epochs(scenes, draws, seed):
     """What `RECIPE` shows, epoch by epoch, made by the other code."""
-    transforms, items = [*SCALES, "fliplr"], []
+    transforms = [*SCALES, "fliplr"]
+    items = []
     for position in range(RECIPE.n_steps):
         draw, copy = copy_shown(position, len(scenes), len(transforms), seed)
         scene = scenes[draws.source(draw)[1]]
-        items.append(
-            published_code.copy_of(scene.image, np.uint8(255) * scene.mask(), transforms[copy])
-        )
+        contour = np.uint8(255) * scene.mask()
+        items.append(published_code.copy_of(scene.image, contour, transforms[copy]))
     return [items[first : first + 14] for first in range(0, RECIPE.n_steps, 14)]
 
 
@@ -63,11 +63,9 @@ def items_of_epochs(scenes, draws, seed):
 def test_losses_and_weights_equal_those_of_the_published_code(step_by_epoch):
     scenes, seed = unlike_scenes(), 5
     recipe = replace(RECIPE, n_epochs_per_tenth=2 if step_by_epoch else None)
-    draws, training, net = (
-        TrainingSet(scenes, seed=seed),
-        Training(recipe, seed=seed),
-        published_code.Net(4),
-    )
+    draws = TrainingSet(scenes, seed=seed)
+    training = Training(recipe, seed=seed)
+    net = published_code.Net(4)
     with torch.no_grad():
         for ours, theirs in zip(training.network.parameters(), net.parameters(), strict=True):
             theirs.copy_(ours)
