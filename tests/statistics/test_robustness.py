@@ -80,16 +80,6 @@ def test_gaps_are_no_zeros(flight, whole, estimator):
     assert_array_equal(fitted["n_picks"], whole["n_picks"] - [5, 30, 120, 156, 196])
 
 
-def test_a_tiny_flight_pools_its_zones(planted, rng, estimator):
-    frames = planted.flight(rng, n_frames=2, n_lines=512, n_looks=5)
-    fitted = fit_finite([with_gaps(frames[0], [(3, 0, 512), (4, 0, 300)]), frames[1]], estimator)
-    assert_array_equal(fitted["n_samples"].sum("zone"), [4, 4, 2, 2])
-    # A slab in too few blocks everywhere takes the one above.
-    assert_array_equal(
-        fitted["thickness_mean_bins"][:, 2:], fitted["thickness_mean_bins"][:, [1, 1]]
-    )
-
-
 def test_layers_in_too_few_lines_are_left_out_and_counted(flight, estimator):
     fitted = fit_finite(
         [with_gaps(frame, [(4, 20 * (i == 0), 256)]) for i, frame in enumerate(flight)], estimator

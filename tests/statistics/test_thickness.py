@@ -208,17 +208,13 @@ def test_plain_spectra_of_picks_with_gaps_are_those_of_shorter_stretches(rng):
     assert_array_equal(psd[1, 0], psd[1, 1])
 
 
-def surface_rows(n, rng, *, levelled):
-    """A slow error of 0.9 bins, and what whole-bin levelling leaves of a movement of 0.3 a line."""
-    slow = gaussian_series((n, N_LINES), 0.9, 40, rng)
-    movement = gaussian_series((n, N_LINES), 0.3, 8, rng)
-    height = rng.uniform(0, 1, (n, 1)) + np.cumsum(movement, axis=1)
-    return 50 + slow + (height - np.rint(height) if levelled else 0)
-
-
 @pytest.mark.parametrize("levelled", [True, False])
 def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
-    rows = surface_rows(300, rng, levelled=levelled)
+    slow = gaussian_series((300, N_LINES), 0.9, 40, rng)
+    movement = gaussian_series((300, N_LINES), 0.3, 8, rng)
+    height = rng.uniform(0, 1, (300, 1)) + np.cumsum(movement, axis=1)
+    # Levelling by whole bins leaves a fraction.
+    rows = 50 + slow + levelled * (height - np.rint(height))
     found = xr.Dataset(surface_statistics(summary_of(rows[:, None], rows)))
     # 300 rows of some 6 lengths: to 3 %; allow three.
     assert_allclose(found["surface_error_bins"], 0.9, rtol=0.1)
@@ -231,21 +227,15 @@ def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
 HORIZON_STEP_NS = 0.2
 
 
-def horizons(shared_data):
-    """Firn horizons of a sled radar, picked by hand, of the smallest offset, in their steps.
-
-    In whole blocks, (block, layer, range_line).
-    """
+def test_the_law_holds_for_layers_that_people_picked(shared_data):
+    # Firn horizons of a sled radar, picked by hand, of the smallest offset, in their steps.
     folder = shared_data / "snow_radar/horizons_greentracs"
     with h5py.File(folder / "6-2-16-Core7-Spur-W-TimeHorizon.mat") as file:
         references = file["ReflectionFBpick"][:, 0]
         twtt_ns = np.array([file[reference][0] for reference in references])
     depth_bins = twtt_ns[np.argsort(twtt_ns.mean(axis=1))] / HORIZON_STEP_NS
-    return sliding_window_view(depth_bins, N_LINES, axis=1)[:, ::N_LINES].swapaxes(0, 1)
-
-
-def test_the_law_holds_for_layers_that_people_picked(shared_data):
-    changes = mean_square_changes(horizons(shared_data))
+    blocks = sliding_window_view(depth_bins, N_LINES, axis=1)[:, ::N_LINES].swapaxes(0, 1)
+    changes = mean_square_changes(blocks)
     of_layer, of_slab = law(fit_relief(changes, LAG_M), LAG_M)
     known = np.isfinite(changes)
     apart = np.arange(1, len(changes) + 1)[:, None]
