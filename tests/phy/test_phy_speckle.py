@@ -42,7 +42,8 @@ def test_correlation_drawn_is_that_asked_for(correlation, n_looks, rng):
     products = (deviation[: 300 - lag] * deviation[lag:] for lag in range(MOST_LAGS + 1))
     # Range lines are independent.
     by_line = n_looks * np.array([product.mean(axis=0) for product in products])
-    measured, scatter = by_line.mean(axis=1), by_line.std(axis=1) / np.sqrt(4000)
+    measured = by_line.mean(axis=1)
+    scatter = by_line.std(axis=1) / np.sqrt(4000)
     # Of 400 values in all, 4.5 errors are exceeded once in 400. Two terms for the law of a look
     # leave 5e-3; spectra that turn negative are lost in part: 6e-3, and 0.03 of the one that no
     # process has.

@@ -251,7 +251,7 @@ def test_an_image_gives_rows_and_needs_its_range_bin(track, tmp_path, frame, tra
     write_image(path, seen.image(0, 300))
     assert track([path]) == 1
     assert "expected --bin-s, the range bin of an image in seconds, found none" in lines[-1]
-    assert track([path], bin_s=BIN_S) == 0
+    assert track([path], bin_s=BIN_S, png=True) == 0
     found = read_layers(tmp_path / "out" / "data_scene_layers.nc")
     rows = seen.grid.row(layers["twtt"].values[0])  # of the surface, on the image's lines
     assert_allclose(found["row"].values[0], np.diagonal(rows), atol=1.0)
