@@ -227,6 +227,7 @@ def _of_block(echogram, lines, given, bin_s, n_averaged):
         return _Survey(surface, share, largest_db)
     top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
+    level_db = level_db[:, np.isfinite(level_db).any(axis=0)]
     filled = np.isfinite(level_db).mean(axis=1) > 0.5
     if not filled.any():
         return _Survey(surface, share, largest_db)

@@ -36,8 +36,8 @@ def find_surface(power_db, given):
     known = np.isfinite(power_db).any(axis=0)
     if n_bins < AIR_BINS + GUARD_BINS + SNOW_BINS or not known.any():
         return np.full(n_lines, np.nan), np.full(n_lines, np.nan)
-    # Half of the air is enough, and what lies above the first bin was not recorded.
-    n_above = AIR_BINS // 2
+    # The least air is enough, and what lies above the first bin was not recorded.
+    n_above = AIR_BINS - LEAST_AIR_BINS
     first = AIR_BINS + GUARD_BINS - n_above
     power_db = np.pad(power_db, ((n_above, 0), (0, 0)), constant_values=np.nan)
     snow = _means(power_db, SNOW_BINS, LEAST_SNOW_BINS)[first + n_above :]
