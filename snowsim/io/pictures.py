@@ -15,6 +15,7 @@ SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
 SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
 N_DEPTHS = 800
 NAME_SHARES = (0.05, 0.03)  # width and height of a name, of the picture's
+SAME_LINE = np.timedelta64(1, "ms")  # to which two files round the time of one range line
 SHOWN_YEARS = 5  # from one error of age to the next
 
 
@@ -41,7 +42,8 @@ def write_picture(path, layers, echograms=(), accumulated=None):
         shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
         shown_s = xr.DataArray(np.interp(shown_m, depths_m, times_s), {"depth": shown_m})
         power_db = xr.concat(
-            [_power_db(each, surface + shown_s) for each in echograms], "slow_time"
+            [_power_db(_on_lines_of(layers, each), surface + shown_s) for each in echograms],
+            "slow_time",
         )
         if power_db.notnull().any():
             low_db, high_db = np.nanpercentile(power_db, SHOWN_PERCENT)
@@ -119,6 +121,16 @@ def _depths(below, accumulated):
     per_s = SPEED_OF_LIGHT_M_S / (2 * (1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3))
     times_s = np.array([-SHOWN_ABOVE_S, float(below.fillna(0).max()) + SHOWN_ABOVE_S])
     return times_s, per_s * times_s
+
+
+def _on_lines_of(layers, echogram):
+    """The range lines of a frame that layers have, too, at the times that they have there."""
+    times = layers.get_index("slow_time")
+    line = times.get_indexer(echogram["slow_time"].values, "nearest", tolerance=SAME_LINE)
+    if (line < 0).all():
+        msg = "picture: expected an echogram of the layers' range lines, found it has none of them"
+        raise ValueError(msg)
+    return echogram.isel(slow_time=line >= 0).assign_coords(slow_time=times[line[line >= 0]])
 
 
 def _power_db(echogram, twtt):

@@ -5,6 +5,7 @@ import pytest
 from made_up import made_up_frame
 from matplotlib.figure import Figure
 from PIL import Image
+from refusals import refusal
 
 from snowsim.io import write_picture
 
@@ -35,6 +36,20 @@ def test_lines_without_a_record_are_blank_in_a_picture(tmp_path, frame):
     more_white = share_white(tmp_path / "gap.png") - share_white(tmp_path / "whole.png")
     # Half of the panel, which takes two thirds of a picture and more.
     assert 0.3 < more_white < 0.5
+
+
+def test_lines_of_layers_are_those_of_the_echogram_to_a_millisecond(tmp_path, frame):
+    echogram, layers = frame
+    pictures = []
+    for late in (0, 300, 10**9):
+        times = echogram["slow_time"] + np.timedelta64(late, "us")
+        pictures.append(tmp_path / f"{late}.png")
+        if late == 10**9:
+            with refusal("picture: expected an echogram of the layers' range lines"):
+                write_picture(pictures[-1], layers, [echogram.assign_coords(slow_time=times)])
+        else:
+            write_picture(pictures[-1], layers, [echogram.assign_coords(slow_time=times)])
+    assert pictures[0].read_bytes() == pictures[1].read_bytes()
 
 
 @pytest.mark.parametrize("rows", [[1], [0, 1]], ids=["a layer", "all"])
