@@ -300,8 +300,8 @@ def check_echogram(echogram, where="echogram"):
     twtt = echogram["twtt"].values
     even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
     # A thousandth of a bin is below any use, and so is the last digit of single precision, which
-    # some files store. NaN is not even, either.
-    last_digit = np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
+    # some files store, in microseconds up to twice as large. NaN is not even, either.
+    last_digit = 2 * np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
     uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]) + last_digit)
     if twtt.size < 2 or uneven.any():
         msg = f"{where}: twtt must increase in even steps, {uneven.sum()} of {twtt.size} do not"
@@ -391,6 +391,8 @@ def _looks_like_decibels(echogram):
     """
     power = data_of(echogram)
     n_bins, n_lines = power.shape
+    if n_lines == 1:
+        return False
     first = max(0, n_lines // 2 - BLOCK_LINES // 2)
     lines = slice(first, first + BLOCK_LINES)
     surface = np.nan_to_num(own_surface_bins(echogram)[lines])
@@ -440,20 +442,29 @@ def along_track_m(echogram):
     On a sphere of 6371 km. Lines without a position lie evenly between those that have one; before
     the first and after the last of them the distance is NaN.
     """
-    positions = np.radians([echogram[name].values for name in ("Latitude", "Longitude")])
+    positions = positions_of(echogram)
     known = np.flatnonzero(np.isfinite(positions).all(axis=0))
-    distance_m = np.full(positions.shape[1], np.nan)
+    along_m = np.full(positions.shape[1], np.nan)
     if known.size == 0:
-        return distance_m
-    latitude, longitude = positions[:, known]
-    half_chord = (
-        np.sin(np.diff(latitude) / 2) ** 2
-        + np.cos(latitude[:-1]) * np.cos(latitude[1:]) * np.sin(np.diff(longitude) / 2) ** 2
-    )
-    steps_m = 2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord))
+        return along_m
+    steps_m = distance_m(positions[:, known[:-1]], positions[:, known[1:]])
     inside = np.arange(known[0], known[-1] + 1)
-    distance_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
-    return distance_m
+    along_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
+    return along_m
+
+
+def positions_of(dataset):
+    """Latitude and longitude of range lines, (2, range_line) [radian]."""
+    return np.radians([dataset[name].values for name in ("Latitude", "Longitude")])
+
+
+def distance_m(first, second):
+    """Distance of places from others, both of `positions_of`, on a sphere, (range_line,) [m]."""
+    half_chord = (
+        np.sin((second[0] - first[0]) / 2) ** 2
+        + np.cos(first[0]) * np.cos(second[0]) * np.sin((second[1] - first[1]) / 2) ** 2
+    )
+    return 2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord))
 
 
 def _check_variables(dataset, axes, where):

@@ -14,14 +14,17 @@ from snowsim.echogram import (
     bin_size_s,
     check_choice,
     data_of,
+    distance_m,
     layer_bins_of,
     levelled,
+    positions_of,
     scene_height,
     to_uint8,
 )
 
 OVERLAP_LINES = 6  # of blocks
 FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
+FAR_M = 500.0  # so far from the echogram's, lines are others: an aircraft flies it in some seconds
 REACH = 1.5  # of a line of a layer file, in its median spacings
 # Times of one range line in two files differ by rounding: most of it, in those spacings.
 SAME_LINE = 1e-3
@@ -50,8 +53,8 @@ def align_layers(layers, echogram, where="layers"):
     nearest of their lines than `REACH` of their spacings; `quality` and `type` are those of that
     line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
-    not cover the echogram's time span to within one of their own lines, or if one lies outside the
-    echogram's window.
+    not cover the echogram's time span to within one of their own lines, if their lines lie far from
+    the echogram's, or if a layer lies outside the echogram's window.
     """
     first_time, last_time = echogram["slow_time"].values[[0, -1]]
     theirs_s, ours_s = (
@@ -66,6 +69,8 @@ def align_layers(layers, echogram, where="layers"):
         )
         raise ValueError(msg)
     nearest = pd.Index(theirs_s).get_indexer(ours_s, method="nearest")
+    if {"Latitude", "Longitude"} <= set(layers):
+        _check_positions(layers.isel(slow_time=nearest), echogram, where)
     picked = layers.transpose("layer", ...)
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
     away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
@@ -92,6 +97,17 @@ def align_layers(layers, echogram, where="layers"):
     of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
     coordinates = {"slow_time": echogram["slow_time"].values, **of_layers}
     return xr.Dataset(variables, coordinates, layers.attrs)
+
+
+def _check_positions(layers, echogram, where):
+    """Refuse layers whose lines lie far from those of the echogram in the median."""
+    away_m = pd.Series(distance_m(positions_of(layers), positions_of(echogram))).median()
+    if away_m > FAR_M:
+        msg = (
+            f"{where}: positions: expected those of the echogram at the same times, found them "
+            f"{away_m:.0f} m away: is one of both GPS time?"
+        )
+        raise ValueError(msg)
 
 
 def flatten(echogram, layers, *, method="surface"):
@@ -136,8 +152,8 @@ def shifted(echogram, shift):
 
 
 def _of_bins(echogram, power, twtt):
-    """Echogram with the power (twtt, slow_time) of other range bins."""
-    others = echogram.drop_vars(["Data", "twtt"])
+    """Echogram with the power (twtt, slow_time) of other range bins, and what has none."""
+    others = echogram.drop_dims("twtt")
     others = others.assign_coords(twtt=("twtt", twtt, {"units": "s"}))
     return others.assign(Data=(("twtt", "slow_time"), power, echogram["Data"].attrs))
 

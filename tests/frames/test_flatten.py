@@ -19,6 +19,7 @@ def make_frame(rng, n_lines=60, surface_bins=SWELL, elevation_m=2500.0):
         power[np.rint(row).astype(int), np.arange(n_lines)] = 1.0
     echogram, layers = made_up_frame(power, bins)
     echogram["Elevation"][:] = elevation_m
+    echogram["Time"] = echogram["twtt"].drop_vars("twtt")  # as in datasets of xopr
     layers = layers.assign(Elevation=echogram["Elevation"].copy())
     return echogram, layers.assign_coords(layer=["surface", "Koenig_2"])
 
@@ -80,6 +81,15 @@ def test_layers_must_cover_the_echogram_and_lie_within_it(rng, lines, shift_bins
     layers["twtt"] = layers["twtt"] + shift_bins * BIN_S
     with refusal(message):
         align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
+
+
+def test_layers_of_another_place_are_refused(rng):
+    echogram, layers = make_frame(rng)
+    layers = layers.assign(echogram[["Latitude", "Longitude"]] + 0.01)  # 1.2 km at 70 degrees
+    with refusal(
+        "a.mat: positions: expected those of the echogram.*, found them 1\\d\\d\\d m away"
+    ):
+        align_layers(layers, echogram, where="a.mat")
 
 
 def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_layers_along(rng):
