@@ -11,7 +11,7 @@ from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
 from snowsim.io.layers import begins_with_surface
-from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, read_image, tells_db
+from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, exported_in, read_image, tells_db
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
@@ -31,7 +31,7 @@ def describe(path):
     The file is read as a whole: what its reader refuses is refused here, in the reader's own line.
     """
     path = Path(path)
-    exported = sorted(path.glob("scene_*.nc"))
+    exported = exported_in(path)
     if exported:
         what = f"a folder of {len(exported)} exported scenes, of which this is one"
         return _said(what, read_values(exported[0]))

@@ -172,6 +172,37 @@ class PairSet(Sequence):
         return rows
 
 
+class ExportedSet(Sequence):
+    """Scenes of a folder as `export_netcdf` or `export_zarr` wrote it; read when asked for."""
+
+    def __init__(self, path):
+        self._paths = exported_in(path)
+
+    def __len__(self):
+        return len(self._paths)
+
+    def __getitem__(self, item):
+        return _exported_scene(self._paths[item])
+
+
+def exported_in(path):
+    """Exported scenes in a folder."""
+    path = Path(path)
+    return sorted(path.glob("scene_*.nc")) or sorted(path.glob("scene_*.zarr"))
+
+
+def _exported_scene(path):
+    """The scene in a file of `export_netcdf`, or a store of `export_zarr`."""
+    held = read_values(path)
+    with library_errors(path, f"expected a whole scene of format {FORMAT!r}"):
+        known = {name: held.attrs[name] for name in NUMBERS_IN_TEXT}
+        arrays = {name: held[name].values for name in ARRAYS if name in held}
+        notes = json.loads(held.attrs["notes"])
+        return Scene(
+            held.attrs["name"], int(held.attrs["n_range_bins"]), **arrays, notes=notes, **known
+        )
+
+
 def tells_db(scene):
     """Whether it is known what the grey levels of a scene stand for."""
     return bool(np.isfinite([scene.noise_floor_db, scene.maximum_db]).all())
@@ -295,6 +326,7 @@ def _is_8_bit(values):
 
 
 FORMAT = "snowsim scene 1"
+ARRAYS = ("layer_bins", "complete_layer_bins", "image")
 LAYERS = ("annotated", "complete")
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 # Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
