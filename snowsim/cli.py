@@ -104,12 +104,14 @@ def export(sources, folder, layers, netcdf, force):
 
 
 def scene_set(source):
-    """Scenes of a file or of a folder of image pairs; an echogram needs its layers."""
+    """Scenes of a file or of a folder, image pairs or exported; an echogram needs its layers."""
     from snowsim.io.containers import ECHOGRAMS, format_of, in_words, opened
     from snowsim.io.files import is_zarr
-    from snowsim.io.pairs import PairSet
+    from snowsim.io.pairs import ExportedSet, PairSet, exported_in
     from snowsim.io.scenes import SceneSet
 
+    if exported_in(source):
+        return ExportedSet(source)
     if source.is_dir() and not is_zarr(source):
         return PairSet(source)
     try:
@@ -196,7 +198,9 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
     from snowsim.front import scenes
 
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
-    echo_counts(drawn.write(folder, form, force=force))
+    with echo_warnings():
+        counts = drawn.write(folder, form, force=force)
+    echo_counts(counts)
 
 
 @commands.command(
@@ -398,7 +402,6 @@ def simulate(
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
       snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
     """  # noqa: D205, D301
-    from snowsim.io import read_echogram
     from snowsim.io.echograms import named_frame
     from snowsim.io.files import write_dataset
     from snowsim.io.layers import write_cresis
@@ -419,7 +422,7 @@ def simulate(
     radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
         snow = Climate(**of_climate) if profile is None else measured_snow(profile, settings)
-        before = None if after is None else read_echogram(after)
+        before = None if after is None else frame_before(after)
         seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
     # Layers first: others may be named beside them.
     for path, dataset in ((path_to_layers, layers), (echogram, seen)):
@@ -428,6 +431,18 @@ def simulate(
         write(path, dataset)
         sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
         click.echo(f"{path}: {sizes}")
+
+
+def frame_before(path):
+    """Echogram of a file, whose name may tell its segment and frame."""
+    from snowsim.io import read_echogram
+    from snowsim.io.echograms import named_frame
+
+    echogram = read_echogram(path)
+    segment, number = named_frame(path)
+    if segment is not None:
+        echogram.attrs["granule"] = f"{segment}_{number:03d}"
+    return echogram
 
 
 def changes_of(radar, changes):
@@ -616,25 +631,34 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     if path.suffix == ".nc":
         write_dataset(path, found)
     elif path.suffix == ".gpkg":
-        write_lines(path, pieces(rows))
+        rows = pieces(rows)
+        write_lines(path, rows)
     else:
         write_table(path, rows)
     write_table(path_by_year, by_year(found))
-    click.echo(
-        f"{path}: {len(rows)} rows of {found.sizes['year']} years; uppermost horizon "
-        f"{found.attrs['uppermost']}; left out as no horizons: "
-        f"{found.attrs['no_horizon'] or 'none'}; "
-        f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
-    )
+    echo_accumulation(path, len(rows), found, settings["temperature_k"])
+    if settings["annual"] is None and "confidence" not in layers:
+        click.echo("every layer is taken for a year, as a person's; --count counts years")
+    if png:
+        write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
+        click.echo(f"{picture}: layers and accumulation")
+
+
+def echo_accumulation(path, n_rows, found, temperature_k):
+    """Show what was found, what was left out, and the density that was taken."""
+    told = f"{n_rows} rows of {found.sizes['year']} years; uppermost horizon "
+    told += found.attrs["uppermost"]
+    if found.attrs["no_horizon"]:
+        told += f"; left out as no horizons: {found.attrs['no_horizon']}"
+    if found.attrs["n_below_profile"]:
+        told += f"; {found.attrs['n_below_profile']} picks below the end of the density left out"
+    click.echo(f"{path}: {told}")
     if "temperature_k" in found.attrs:
-        place = " of the place, by Fausto et al. (2009)" * (settings["temperature_k"] is None)
+        place = " of the place, by Fausto et al. (2009)" * (temperature_k is None)
         click.echo(
             f"density: Herron & Langway (1980) from {found.attrs['surface_density_kg_m3']:g} "
             f"kg m-3, at {found.attrs['temperature_k']:.4g} K{place}"
         )
-    if png:
-        write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
-        click.echo(f"{picture}: layers and accumulation")
 
 
 def density_of(text, how):
@@ -647,7 +671,9 @@ def density_of(text, how):
     try:
         density = None if text is None else float(text)
     except ValueError:
-        return read_profile(text, **how)
+        profile = read_profile(text, **how)
+        click.echo(profile.note)
+        return profile
     for name in PROFILE:
         if how[name] is not None:
             msg = f"--{name.replace('_', '-')} is of a table, not of a --density of {text}"
@@ -661,8 +687,12 @@ def year_of(texts):
         return None
     if len(texts) == 1 and "=" not in texts[0]:
         return click.INT(texts[0])
-    named = (text.partition("=") for text in texts)
-    return {name: click.INT(year) for name, _, year in named}
+    named = [text.partition("=") for text in texts]
+    years = {name: year for name, _, year in named}
+    if len(years) < len(texts) or "" in years.values():
+        msg = f"--year: expected one year, or NAME=YEAR of layers that differ, got {texts}"
+        raise click.UsageError(msg)
+    return {name: click.INT(year) for name, year in years.items()}
 
 
 def echo_counts(counts):

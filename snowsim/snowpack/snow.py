@@ -182,9 +182,10 @@ def _picks(layers, least_confidence):
     layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
     names = np.array([str(name).rpartition(":")[2] for name in layers.get_index("layer")])
     twtt = layers["twtt"]
-    sure = layers.get("confidence", 0 * twtt + USUAL_CONFIDENCE).where(twtt.notnull())
+    # Of frames that are joined, one may have none.
+    sure = layers.get("confidence", np.nan * twtt).fillna(USUAL_CONFIDENCE).where(twtt.notnull())
     sure[:1] = np.where(np.isin(names[:1], (SURFACE, "0")), 1, np.nan)
-    error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
+    error = ((layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2).fillna(0)
     below = (twtt - twtt[0]).where(sure >= least_confidence)
     doubt = (1 - sure).clip(LEAST_DOUBT)
     # A layer that is faint on most lines, as in the tail of the surface's echo, would date others.
@@ -460,9 +461,9 @@ def _by_year(layers, picks, column, dated, density_error):
     found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
     first = (dated.above == 0) & (dated.age[:, None] == 0)
     open_m = np.where(first, dated.span_m, np.nan)
-    found["open_m_we"] = ("slow_time", np.fmin.reduce(open_m, axis=0))
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(open_m))
     uppermost = (dated.above == 0).sum(axis=1).argmax()
-    _, *no_horizon = picks.names[(dated.above < 0).all(axis=1)]
+    _, *no_horizon = picks.names[(dated.above < 0).all(axis=1) & np.isfinite(depth_m).any(axis=1)]
     return found.assign_coords(below_s=times_s).assign_attrs(
         uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
         no_horizon=", ".join(no_horizon),

@@ -35,15 +35,22 @@ def table(accumulated):
 def pieces(rows):
     """Means of a `table` over pieces of track for a map: a row for each year and 500 m.
 
-    `line` is the list of longitude and latitude of its range lines; times are left out.
+    `line` is the list of longitude and latitude of its range lines, on past 180 degrees; times are
+    left out, and range lines without a position. ValueError if none has one.
     """
+    if "lat" not in rows or rows["lat"].isna().all():
+        msg = "a map needs Latitude and Longitude of range lines, the layers have none"
+        raise ValueError(msg)
+    rows = rows.dropna(subset=["lat", "lon"])
     positions = rows[["time", "lat", "lon"]].drop_duplicates()
     along = positions.rename(columns={"lat": "Latitude", "lon": "Longitude"}).set_index("time")
     distance_m = pd.Series(along_track_m(along), along.index)
     rows = rows.assign(piece=rows["time"].map(distance_m) // PIECE_M)
     of_piece = rows.groupby(["year", "piece"])
     means = of_piece[list(COLUMNS)].mean()
-    means["line"] = of_piece[["lon", "lat"]].apply(lambda own: own.to_numpy())
+    means["line"] = of_piece[["lon", "lat"]].apply(
+        lambda own: np.unwrap(own.to_numpy(), period=360, axis=0)
+    )
     return means.reset_index()
 
 

@@ -10,7 +10,7 @@ from refusals import refusal
 from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io import Profile, write_dataset
-from snowsim.snowpack import accumulation, by_year, pieces, table
+from snowsim.snowpack import Climate, accumulation, by_year, pieces, simulate, table
 from snowsim.snowpack.firn import temperature_fausto09
 
 N_LINES = 400
@@ -104,6 +104,15 @@ def test_a_pick_between_two_horizons_is_left_out_or_flagged(year_m):
     assert_allclose(found["accumulation_m_we"][:, away], year_m[1:, away], rtol=1e-9)
     same = np.isclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
     assert (same | (found["flag"] > 0)).all()
+
+
+def test_a_frame_that_a_person_corrected_counts_beside_those_of_the_tracker(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    for name in ("confidence", "twtt_low", "twtt_high"):
+        layers[name][:, 200:] = np.nan
+    found = accumulation(layers, DENSITY, year=2011)
+    assert_allclose(found["accumulation_m_we"], year_m[1:], rtol=1e-9)
+    assert (found["high"] > found["low"]).all()
 
 
 def test_a_faint_layer_in_the_tail_of_the_surface_is_left_out_and_said_to_be(year_m):
@@ -269,9 +278,11 @@ def test_temperatures_of_greenland_are_near_those_of_boreholes(
 
 def test_a_profile_of_one_density_is_that_density_and_ends_where_it_ends(year_m):
     layers = layers_of(below_s(water_of(year_m)))
-    depth_m = np.arange(0.05, 5, 0.1)
-    profile = Profile(depth_m, np.full(depth_m.size, DENSITY), "", np.full(depth_m.size, 0.1))
-    found = accumulation(layers, profile, year=2011)
+    depth_m = np.arange(0.05, 8, 0.1)
+    density = np.where(depth_m < 5, DENSITY, np.nan)
+    profile = Profile(depth_m, density, "", np.full(depth_m.size, 0.1))
+    with pytest.warns(UserWarning, match="density is missing: below 5 m"):
+        found = accumulation(layers, profile, year=2011)
     whole = accumulation(layers, DENSITY, year=2011)
     shallow = found.sizes["year"]
     assert 4 <= shallow < 8
@@ -280,6 +291,24 @@ def test_a_profile_of_one_density_is_that_density_and_ends_where_it_ends(year_m)
     assert_allclose(found["accumulation_m_we"].values[measured], values[measured], rtol=1e-9)
     n_below = (1000 * water_of(year_m) / DENSITY > 5).sum()
     assert found.attrs["n_below_profile"] == n_below
+    assert found.attrs["no_horizon"] == ""
+
+
+def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
+    climate = Climate(accumulation_m=0.4, variability=0.15, density_sd_kg_m3=0)
+    _, layers = simulate(climate, "snow-2012", n_range_lines=N_LINES, rng=3)
+    found = accumulation(
+        layers_of((layers["twtt"] - layers["twtt"][0]).values[1:]),
+        340.0,
+        year=2011,
+        temperature_k=243.0,
+    )
+    true_m = np.diff(layers["water_m"].values, axis=0)[1:]
+    single = found["n_years"].values == 1
+    assert single.mean() > 0.8
+    # The climate's mean, .4, is not that of these twenty years, and slabs are of one density each.
+    ratio = found["accumulation_m_we"].values / true_m[: found.sizes["year"]]
+    assert_allclose(ratio[single], 1, atol=0.02)
 
 
 AS_IT_IS = xr.Dataset.copy
@@ -302,6 +331,11 @@ AS_IT_IS = xr.Dataset.copy
             AS_IT_IS,
             {"temperature_k": -20.0},
             "temperature_k must be .* at least 200, .* got -20",
+        ),
+        (
+            AS_IT_IS,
+            {"density": Profile(np.array([9.0]), np.array([400.0]), ""), "temperature_k": 250.0},
+            "temperature_k: expected none beside a profile",
         ),
         (lambda x: x.isel(layer=[0]), {}, "and others below it .*, found surface$"),
         (AS_IT_IS, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
@@ -342,8 +376,7 @@ def files(tmp_path, year_m):
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
     main(["accumulation", *files, "-o", str(path), "--density", "400", "--png"])
-    expected = "4000 rows of 10 years; uppermost horizon snow_1=2011; left out as no horizons: none"
-    assert expected in capsys.readouterr().out
+    assert "4000 rows of 10 years; uppermost horizon snow_1=2011\n" in capsys.readouterr().out
     rows = pd.read_csv(path)
     assert rows.columns.tolist() == [
         "frame",
@@ -378,8 +411,11 @@ def test_density_of_the_command_may_be_a_profile_and_years_may_be_named(tmp_path
     path = tmp_path / "a.csv"
     named = ["--year", "snow_3=2008", "--year", "snow_4=2007"]
     main(["accumulation", *files, "-o", str(path), "--density", str(core), *named])
-    assert "0 picks below the end of the density" in capsys.readouterr().out
+    assert "core.csv: 200 samples down to 19.95 m" in capsys.readouterr().out
     assert set(pd.read_csv(path)["year"]) == set(range(2001, 2011))
+    with pytest.raises(SystemExit):
+        main(["accumulation", *files, "-o", str(path), *named, "--year", "snow_3=2007", "--force"])
+    assert "NAME=YEAR of layers that differ, got" in capsys.readouterr().err
 
 
 def test_a_table_has_no_row_without_accumulation(year_m):
@@ -403,10 +439,16 @@ def test_the_table_by_year_has_means_and_what_they_rest_on(year_m):
 
 def test_pieces_for_a_map_hold_every_range_line_once(year_m):
     layers = layers_of(below_s(water_of(year_m)))
+    layers["Latitude"][100:110] = np.nan
+    layers["Longitude"][:] = np.where(np.arange(N_LINES) < 200, 179.999, -179.999)
     rows = pieces(table(accumulation(layers, DENSITY, year=2011)))
     assert len(rows) == 10 * 5  # 2.2 km in pieces of 500 m
-    assert sum(len(line) for line in rows["line"]) == 10 * N_LINES
-    assert_allclose(rows["line"][0][0], [0, 70])
+    assert sum(len(line) for line in rows["line"]) == 10 * (N_LINES - 10)
+    assert_allclose(rows["line"][0][0], [179.999, 70])
+    # Lines go on past 180 degrees, none around the Earth.
+    assert max(np.ptp(line[:, 0]) for line in rows["line"]) < 0.01
+    with refusal("a map needs Latitude and Longitude"):
+        pieces(table(accumulation(layers.drop_vars("Latitude"), DENSITY, year=2011)))
 
 
 def test_other_endings_write_netcdf_and_a_map(tmp_path, files):
