@@ -19,9 +19,10 @@ from numpy.exceptions import ComplexWarning
 
 from snowsim.io.files import (
     MAXIMUM_BYTES,
-    PICTURES,
+    content_of,
     library_errors,
     listed,
+    picture_format,
     refusal,
     write_bytes,
 )
@@ -69,6 +70,9 @@ SECONDS = {
     "nanoseconds": 1e-9,
     "ns": 1e-9,
 }
+# Units of time that CF allows, as xarray names them: by other names it reads them through cftime,
+# which takes zones of time for UTC.
+TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
 # Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
 TELL_GPS = {"granule", "mimetype", "source_url"}
 TELL_UTC = {"source_format", "synthetic", "tracker"}
@@ -81,14 +85,6 @@ TEXT_BYTES = 116  # it begins with; the date that scipy writes there would make 
 BYTE_ORDERS = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}
 MOST = f"at most {MAXIMUM_BYTES} bytes"
 KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
-# What comes in place of data, by how it begins in lower case.
-OTHERS = {
-    **dict.fromkeys((b"<!doctype html", b"<html"), "a web page: is a login needed to download it?"),
-    b"version https://git-lfs": "a git-LFS pointer: git lfs pull brings the file",
-    **{start.lower(): f"a {name} image" for name, start in PICTURES.items()},
-    b"%pdf": "a PDF document",
-    **dict.fromkeys((b"\x1f\x8b", b"pk\x03\x04"), "a packed file: unpack it first"),
-}
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
 # Specification, III.E.
 HEAP = re.compile(b"GCOL\x01")
@@ -130,7 +126,7 @@ def opened(path, content=None):
     with library_errors(path, f"content: expected {KINDS}"):
         if path.is_dir():
             return _labelled(path, path, engine="zarr", consolidated=False)
-        content = path.read_bytes() if content is None else content
+        content = content_of(path) if content is None else content
         if content.startswith(NETCDF3):
             # Not by netCDF4: of 400 damaged files 3 never ended there.
             return _labelled(path, BytesIO(content), engine="scipy")
@@ -151,9 +147,9 @@ def opened(path, content=None):
             return Stored(path, frozenset(file), partial(_read_mat73, file))
         order = BYTE_ORDERS.get(content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES])
         if order is None:
-            head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
-            found = next((what for start, what in OTHERS.items() if head.startswith(start)), None)
-            raise refusal(path, "content", KINDS, found or f"{len(content)} other bytes")
+            picture = picture_format(content)
+            found = f"a {picture} image" if picture else f"{len(content)} other bytes"
+            raise refusal(path, "content", KINDS, found)
         check_elements(content, order, MAT_HEADER_BYTES, len(content))
         file = BytesIO(content)
         shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
@@ -257,6 +253,10 @@ def _labelled(path, source, **how):
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
         raise refusal(path, "variables", MOST, dataset.nbytes)
+    for variable in dataset.variables.values():
+        unit, since, day = str(variable.attrs.get("units", "")).partition(" since ")
+        if since and unit in TIMES:
+            variable.attrs["units"] = f"{TIMES[unit]}{since}{day}"
     times = xr.coders.CFDatetimeCoder(use_cftime=False)
     try:
         decoded = xr.decode_cf(dataset, decode_times=times, decode_timedelta=False)

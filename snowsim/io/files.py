@@ -11,6 +11,13 @@ from pathlib import Path
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
 # How pictures begin.
 PICTURES = {"PNG": b"\x89PNG\r\n\x1a\n", "JPEG": b"\xff\xd8\xff"}
+# What comes in place of data, by how it begins in lower case.
+OTHERS = {
+    **dict.fromkeys((b"<!doctype html", b"<html"), "a web page: is a login needed to download it?"),
+    b"version https://git-lfs": "a git-LFS pointer: git lfs pull brings the file",
+    b"%pdf": "a PDF document",
+    **dict.fromkeys((b"\x1f\x8b", b"pk\x03\x04"), "a packed file: unpack it first"),
+}
 # A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32,
 # 0.6 GB.
 MAXIMUM_BYTES = 2**30
@@ -58,13 +65,14 @@ def library_errors(path, expected="expected a whole file"):
     except Exception as error:
         if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
             raise
-        told = f"{expected}, found {type(error).__name__} {error}"
+        found = getattr(error, "strerror", None) or f"{type(error).__name__} {error}"
+        told = f"{expected}, found {found}"
         raise BadFile(told, path) from error
 
 
 def listed(names):
     """Names in order of the alphabet, as a message tells them."""
-    return one_line(", ".join(sorted(names)) or "none", 200)
+    return one_line(", ".join(sorted(map(str, names))) or "none", 200)
 
 
 def is_zarr(path):
@@ -73,8 +81,18 @@ def is_zarr(path):
 
 
 def content_of(path):
-    """Bytes of a file, none of a folder, as of Zarr."""
-    return b"" if path.is_dir() else path.read_bytes()
+    """Bytes of a file, none of a folder, as of Zarr; what comes in place of data is refused."""
+    content = b"" if path.is_dir() else path.read_bytes()
+    refuse_others(path, content)
+    return content
+
+
+def refuse_others(path, content):
+    """Refuse what comes in place of data, by how its bytes begin."""
+    head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
+    for start, what in OTHERS.items():
+        if head.startswith(start):
+            raise refusal(path, "content", "data", what)
 
 
 def picture_format(content):

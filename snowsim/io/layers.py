@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import check_choice, check_layers
+from snowsim.echogram import check_choice, check_layers, crossing_layers
 from snowsim.io.containers import POSITION, format_of, opened, read_values, write_matlab
 from snowsim.io.echograms import UNITS, l1b_content, named_frame, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 
 SURFACE = "surface"
+TRACKED = "snow_"  # names of layers that `snowsim track` found begin so
 # What the first two entries of an old file are where it gives no names: the format's convention.
 OLD_NAMES = ("surface", "bottom")
 AXES = ("layer", "slow_time")
@@ -28,7 +29,11 @@ PICKS = {
 MANUAL = 1
 # Where nobody picked.
 ABSENT = {"quality": 1, "type": 2}
-FAR_S = 2e-7  # 30 m of air: so far the surface of one line cannot lie above that of all others
+# So far the surface of one line cannot lie above that of all others: 30 m of air, or 1.5 m if it is
+# that many times as far as any others of them are apart.
+FAR_S = 2e-7
+NEAR_S = 1e-8
+N_GAPS = 5
 # Names in old files, and of Open Polar Radar, by those of new ones.
 RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 
@@ -92,24 +97,34 @@ def open_segment(paths):
     -------
     xarray.Dataset
         As of `read_layers`; a layer of the same name is the same in all frames, NaN where a frame
-        lacks it. Layers come by their names: the surface, then by number. `frame` along slow_time
+        lacks it. Layers come by their names: the surface, then by number; from the surface
+        down where they would cross. `frame` along slow_time
         is the name of the file.
 
     Raises
     ------
     ValueError
-        In one line: no file, one that `read_layers` refuses, or frames that overlap in time.
+        In one line: no file, one that `read_layers` refuses, frames that overlap in time, or
+        tracked frames of several segments.
     """
     paths = list(paths)
     where = "segment"
     if not paths:
         raise refusal(where, "files", "those of its frames", "none")
     frames = []
+    segments = set()
     for path in paths:
         layers = read_layers(path)
+        if any(str(name).startswith(TRACKED) for name in layers.get_index("layer")):
+            segment, _ = named_frame(layers.attrs.get("granule", path))
+            segments |= {segment} - {None}
         frame = Path(path).stem.removesuffix("_layers")
         names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
         frames.append(layers.assign_coords(frame=names))
+    if len(segments) > 1:
+        told = " and ".join(sorted(segments))
+        expected = f"one, of which alone {TRACKED}1, {TRACKED}2 and so on are the same layers"
+        raise refusal(where, "segments", expected, told)
     frames.sort(key=lambda frame: frame["slow_time"].values[0])
     for first, second in itertools.pairwise(frames):
         if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
@@ -127,9 +142,12 @@ def open_segment(paths):
     )
     names = joined["layer"].values
     in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
-    joined = joined.sel(layer=in_order)
-    check_layers(joined, f"{where} of {paths[0]}")
-    return joined
+    by_name = joined.sel(layer=in_order)
+    twtt = by_name["twtt"].transpose(*AXES).values
+    if crossing_layers(twtt).any():  # names that are years, or have a group
+        by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
+    check_layers(by_name, f"{where} of {paths[0]}")
+    return by_name
 
 
 def read_cresis_layers(stored):
@@ -146,7 +164,9 @@ def read_cresis_layers(stored):
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
     absent = {name: np.full(shape, value) for name, value in ABSENT.items()}
-    picks = {name: np.atleast_2d((absent | values)[name]) for name in PICKS}
+    picks = {name: np.asarray((absent | values)[name]) for name in PICKS}
+    # A single layer, or line, comes without its axis.
+    picks = {name: of if of.ndim == 2 else of.reshape(shape) for name, of in picks.items()}
     named = _organized(stored.path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
     return _layers_dataset(values, picks, names, "CReSIS layer")
@@ -225,8 +245,9 @@ def _without_placeholders(dataset, where):
     surface_s = dataset["twtt"][0].values
     times_s = np.unique(surface_s[np.isfinite(surface_s)])
     is_first = np.isin(surface_s, times_s[:1])
-    gap_s = np.diff(times_s)[:1]
-    if is_first.sum() < 2 or not (gap_s > FAR_S).any():
+    gap_s, others_s = np.split(np.diff(times_s), [1])
+    far_s = min(FAR_S, max(NEAR_S, N_GAPS * others_s.max(initial=0)))
+    if is_first.sum() < 2 or not (gap_s > far_s).any():
         return dataset
     msg = (
         f"{where}: twtt: {is_first.sum()} range lines have their surface at {times_s[0]:.6g} s, "
@@ -403,7 +424,7 @@ def layer_numbers(layers):
         return np.arange(layers.sizes["layer"])
     numbers = []
     for name in map(str, layers["layer"].values):
-        digits = "0" if name == SURFACE else name.removeprefix("snow_")
+        digits = "0" if name == SURFACE else name.removeprefix(TRACKED)
         if not digits.isdecimal():
             msg = f"layer: expected {SURFACE}, snow_1, snow_2 and so on, found {name!r}"
             raise ValueError(msg)

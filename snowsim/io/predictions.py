@@ -10,7 +10,14 @@ from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import opened
-from snowsim.io.files import content_of, library_errors, listed, picture_format, refusal
+from snowsim.io.files import (
+    content_of,
+    library_errors,
+    listed,
+    picture_format,
+    refusal,
+    refuse_others,
+)
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
@@ -185,6 +192,8 @@ def read_array(path, names=(), least_rows=1, stored=None):
         values, _ = read_image(path, ANY_GREY, content)
     elif path.suffix == ".npy":
         with library_errors(path, "NPY: expected a whole array of numbers"):
+            with path.open("rb") as file:
+                refuse_others(path, file.read(100))
             # Mapped: a header that declares more than the file has is refused before room is made.
             values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
     else:
@@ -194,7 +203,7 @@ def read_array(path, names=(), least_rows=1, stored=None):
         found = [name for name in names if name in stored][:1] or images
         if len(found) != 1:
             expected = f"one of {', '.join(names)}, or one image alone"
-            raise refusal(path, "variables", expected, listed(map(str, stored.variables)))
+            raise refusal(path, "variables", expected, listed(stored.variables))
         name = found[0]
         down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
         values = stored[name].transpose(*down, ...).values

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import check_choice
-from snowsim.io.files import library_errors, listed, refusal
+from snowsim.io.files import content_of, library_errors, listed, refusal
 
 FACTORS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "kg m-3": 1.0, "g cm-3": 1000.0}
 # Largest densities that fit one unit alone.
@@ -107,7 +107,7 @@ def _table(path):
     """Table of texts."""
     with library_errors(path, "table: expected text with a header and columns"):
         # Spreadsheets write a raised 3 as no UTF-8.
-        text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
+        text = content_of(Path(path)).decode("utf-8-sig", errors="replace")
         text = REMARKS.sub("", text, count=1)
         separator = "\t" if "\t" in text.partition("\n")[0] else None
         file = io.StringIO(text)
@@ -137,7 +137,7 @@ def _column(path, table, quantity, pattern, name):
             f"one column with {quantity} in its name (but of water equivalent), "
             f"or --{quantity}-column"
         )
-        raise refusal(path, name or quantity, expected, listed(map(str, table.columns)))
+        raise refusal(path, name or quantity, expected, listed(table.columns))
     return found[0]
 
 
@@ -209,7 +209,8 @@ def _middles(depth_m, thickness_m, place):
     if thickness_m is None and place == "bottom":
         thickness_m = np.diff(depth_m, prepend=0)
     elif thickness_m is None:
-        # The last one's snow goes on below: any thickness will do.
-        thickness_m = np.diff(depth_m, append=depth_m[-1] + 1)
+        # The last one is as thick as the one above it; of one sample alone any thickness will do.
+        step_m = np.diff(depth_m)
+        thickness_m = np.append(step_m, step_m[-1] if step_m.size else 1)
     half_m = thickness_m / 2
     return depth_m + (half_m if place == "top" else -half_m), thickness_m

@@ -38,14 +38,15 @@ def utc_times(times, *, gps=False):
     GPS time loses its leap seconds. One offset holds for a whole file, that of its first line, as
     in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
     """
+    name = getattr(times, "name", "slow_time")
     times = np.ravel(times)
     is_dated = times.dtype.kind == "M"
     seconds = (times - SINCE) / np.timedelta64(1, "s") if is_dated else times.astype(float)
     first, end = np.array(THIS_AGE, dtype="datetime64[s]").astype(float)
     inside = (seconds >= first) & (seconds < end)
     if not inside.all():
-        expected = f"seconds since 1970 that fall in {' to '.join(THIS_AGE)}"
-        raise refusal(None, "slow_time", expected, f"{seconds[~inside][0]:g}")
+        expected = f"units 'since' a date, or seconds since 1970, in {' to '.join(THIS_AGE)}"
+        raise refusal(None, name, expected, f"{seconds[~inside][0]:g}")
     if not is_dated:
         whole = np.floor(seconds)
         nanoseconds = np.rint((seconds - whole) * 1e9)

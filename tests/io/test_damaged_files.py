@@ -29,12 +29,14 @@ from snowsim.io import (
     read_image,
     read_layers,
     read_pair,
+    read_profile,
     write_dataset,
     write_image,
     write_scenes,
 )
 from snowsim.io.containers import read_values
 from snowsim.io.files import MAXIMUM_BYTES
+from snowsim.io.predictions import read_map
 
 MOST_FLIPS = 8
 # A file is called after its kind, which begins with what it holds.
@@ -254,7 +256,7 @@ HARMFUL = {
             (
                 lambda path, _, content=content: path.write_bytes(content),
                 read_echogram,
-                f"{NO_DATA} {words}",
+                f"content: expected .*, found {words}",
             )
             for content, words in NO_DATA_BUT.items()
         ),
@@ -278,6 +280,15 @@ HARMFUL = {
 def test_files_made_to_harm_and_what_is_no_data_are_refused(path, content, write, read, message):
     write(path, content)
     refused(read, path, message)
+
+
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [("map.npy", read_map), ("map.png", read_map), ("core.csv", read_profile)],
+)
+def test_what_comes_in_place_of_data_is_named_by_every_reader(tmp_path, name, read):
+    (tmp_path / name).write_bytes(next(iter(NO_DATA_BUT)))
+    refused(read, tmp_path / name, "content: expected data, found a web page")
 
 
 def test_function_handles_among_parameters_are_no_data(path, content, shared_data):

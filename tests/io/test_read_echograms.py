@@ -229,7 +229,7 @@ IMPOSSIBLE = [
         lambda _: {"minData": np.array([1.0])},
         "Data: expected integers scaled by minData and maxData",
     ),
-    (lambda _: {"GPS_time": np.arange(1.0, 41.0)}, "slow_time: expected seconds since"),
+    (lambda _: {"GPS_time": np.arange(1.0, 41.0)}, "slow_time: expected units 'since'"),
     (
         lambda _: {"Data": np.arange(4800.0).reshape(120, 40) % 256},
         "Data: expected linear power, found whole numbers of 8 bits",
@@ -330,7 +330,18 @@ def test_units_of_time_that_nobody_knows_are_named(path, content, write, name, u
     refused(read_echogram, path, f"{name}: expected {message}")
 
 
-@of_mat
+def test_abbreviated_units_of_time_are_read_and_no_zones_of_time(path, content):
+    formats.write_nsidc(path, content)
+    times = read_echogram(path)["slow_time"]
+    with netCDF4.Dataset(path, "r+") as file:
+        file["time"].units = file["time"].units.replace("seconds", "s")
+    assert_array_equal(read_echogram(path)["slow_time"], times)
+    with netCDF4.Dataset(path, "r+") as file:
+        file["time"].units += " EST"
+    refused(read_echogram, path, "time: expected units of time that CF allows, found 's.* EST'")
+
+
+@pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73, formats.write_nsidc])
 def test_a_time_axis_in_single_precision_is_even_to_its_last_digit(path, content, write):
     time = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
     echogram = read_back(write, path, content | {"Time": time.astype(np.float32)})

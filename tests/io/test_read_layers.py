@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
 from snowsim.echogram import check_layers
-from snowsim.io import read_layers
+from snowsim.io import open_segment, read_layers
 from snowsim.io.layers import order_from_surface
 
 N_LINES = 30
@@ -70,10 +70,12 @@ def test_a_damaged_organizer_is_named(path):
 
 
 @of_mat
-def test_a_single_layer_may_be_one_dimensional(path, write):
-    content = formats.layer_content(SURFACE, [1], GPS_TIME)
+@pytest.mark.parametrize(("n_layers", "n_lines"), [(1, N_LINES), (2, 1)])
+def test_a_single_layer_or_line_may_be_one_dimensional(path, write, n_layers, n_lines):
+    twtt = np.array([SURFACE, KOENIG_2])[:n_layers, :n_lines]
+    content = formats.layer_content(twtt, 1 + np.arange(n_layers), GPS_TIME[:n_lines])
     write(path, content | {name: content[name].ravel() for name in ("twtt", "quality", "type")})
-    assert read_layers(path)["twtt"].shape == (1, N_LINES)
+    assert_array_equal(read_layers(path)["twtt"], twtt)
 
 
 @of_mat
@@ -114,12 +116,13 @@ def test_zero_is_no_travel_time_in_layers_of_any_format(path, form):
     assert_array_equal(twtt, np.where(np.array([surface, below]) == 0, np.nan, [SURFACE, KOENIG_2]))
 
 
-def test_a_surface_at_the_first_bin_where_nobody_picked_is_left_out_with_a_warning(path):
+@pytest.mark.parametrize("gap_s", [3e-7, 1.5e-8])
+def test_a_surface_at_the_first_bin_where_nobody_picked_is_left_out_with_a_warning(path, gap_s):
     surface = SURFACE.copy()
-    surface[5:9] = SURFACE.min() - 3e-7
+    surface[5:9] = SURFACE.min() - gap_s
     below = np.where(np.arange(N_LINES) < 20, KOENIG_2, np.nan)
     formats.opr_layers([surface, below], GPS_TIME, ["surface", "Koenig_2"]).to_netcdf(path)
-    with pytest.warns(UserWarning, match="4 range lines have their surface at 2.7e-06 s, 3e-07"):
+    with pytest.warns(UserWarning, match=f"4 range lines have their surface at .* s, {gap_s}"):
         layers = read_layers(path)
     assert_array_equal(layers["twtt"][0], np.where(surface == SURFACE, SURFACE, np.nan))
     assert_array_equal(layers["twtt"][1], below)
@@ -152,15 +155,28 @@ def test_order_follows_what_lies_above_what_and_not_the_mean_and_depth_where_no_
     )
 
 
+def test_layers_of_a_segment_may_be_named_by_years_but_tracked_ones_are_of_one_segment(tmp_path):
+    paths = []
+    for names in (["2010", "2011"], ["snow_1", "snow_2"]):
+        for segment in ("20120330_04", "20120330_05"):
+            twtt = [KOENIG_3, KOENIG_2, SURFACE]
+            layers = formats.opr_layers(twtt, GPS_TIME + 60 * len(paths), [*names, "surface"])
+            paths.append(tmp_path / f"Data_{segment}_00{len(paths)}_layers.nc")
+            layers.to_netcdf(paths[-1])
+    assert open_segment(paths[:2])["layer"].values.tolist() == ["surface", "2011", "2010"]
+    with refusal("segments: expected one, .* found 20120330_04 and 20120330_05$"):
+        open_segment(paths[2:])
+
+
 CROSSING = KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)
 REFUSED = {
     "crossing": ({"twtt": [SURFACE, KOENIG_2, CROSSING]}, "must increase strictly with depth"),
     "infinite": ({"twtt": [SURFACE, KOENIG_2 * np.inf]}, "must be finite or NaN"),
     "shape": ({"id": np.arange(4.0)}, "conflicting sizes for dimension 'layer'"),
-    "no time": ({"gps_time": GPS_TIME * np.nan}, "slow_time: expected seconds since"),
+    "no time": ({"gps_time": GPS_TIME * np.nan}, "slow_time: expected units 'since'"),
     "time falls": ({"gps_time": GPS_TIME[::-1]}, "slow_time must increase"),
     "flags": ({"quality": np.full((2, N_LINES), 999.0)}, "quality: expected flags within 0 to 255"),
-    "text": ({"quality": "text"}, "could not convert"),
+    "text": ({"quality": "text"}, "cannot reshape"),
     "no id": ({"id": np.empty((0, 0))}, "found no layer"),
 }
 
