@@ -1,6 +1,7 @@
 """Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import formats
 import netCDF4
@@ -16,7 +17,7 @@ from snowsim import Climate, simulate
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.frames import flagged_lines
 from snowsim.io import echogram as echogram_of
-from snowsim.io import read_echogram, write_dataset
+from snowsim.io import read_echogram, read_frame, write_dataset
 from snowsim.io.describe import describe
 from snowsim.io.predictions import read_picks
 from snowsim.io.times import gps_seconds, utc_times
@@ -354,6 +355,10 @@ def test_decibels_made_positive_are_told_by_info_and_refused_by_fit(path, highes
     power_db = to_db(echogram["Data"])
     echogram.assign(Data=power_db - power_db.max() + highest_db).to_netcdf(path)
     assert "looks like decibels" in " ".join(describe(path)["notes"])
+    layers.to_netcdf(path.with_name("layers.nc"))
+    row = SimpleNamespace(echogram=path, layers=path.with_name("layers.nc"))
+    with pytest.warns(UserWarning, match="looks like decibels"):
+        read_frame(row)
     with refusal("frame 0: Data looks like decibels"):
         fit([(read_echogram(path), layers)])
 

@@ -72,6 +72,9 @@ def test_a_number_of_a_frame_goes_on_and_a_name_tells_it(tmp_path):
     for name in ("Data_20120330_04_007.nc", "Data_20120330_04_007_layers.nc"):
         with xr.open_dataset(tmp_path / name) as stored:
             assert stored.granule == "20120330_04_007"
+    written(tmp_path, "next.nc", after=written(tmp_path)[0])
+    with xr.open_dataset(tmp_path / "next.nc") as stored:
+        assert stored.granule == "20120330_04_002"
 
 
 def test_a_frame_without_a_place_has_none_after_it():

@@ -451,11 +451,18 @@ def test_pieces_for_a_map_hold_every_range_line_once(year_m):
         pieces(table(accumulation(layers.drop_vars("Latitude"), DENSITY, year=2011)))
 
 
-def test_other_endings_write_netcdf_and_a_map(tmp_path, files):
+def test_other_endings_write_netcdf_and_a_map_and_it_is_said_if_none_is_counted(
+    tmp_path, files, capsys
+):
     pyogrio = pytest.importorskip("pyogrio", reason="pyogrio is not installed: snowsim[gis]")
     options = ["--year", "2011", "--density", "400"]
     for ending in (".nc", ".gpkg"):
         main(["accumulation", *files, "-o", str(tmp_path / f"a{ending}"), *options, "--force"])
+    assert "every layer" not in capsys.readouterr().out
+    by_hand = xr.load_dataset(files[0]).drop_vars("confidence")
+    by_hand.to_netcdf(tmp_path / "b_layers.nc")
+    main(["accumulation", str(tmp_path / "b_layers.nc"), "-o", str(tmp_path / "b.csv"), *options])
+    assert "every layer is taken for a year" in capsys.readouterr().out
     with xr.open_dataset(tmp_path / "a.nc") as found:
         assert found["age_error_years"].dims == ("year", "slow_time")
     _, _, lines, values = pyogrio.raw.read(tmp_path / "a.gpkg")
