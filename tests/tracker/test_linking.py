@@ -74,6 +74,15 @@ def test_pieces_join_where_the_layers_beside_them_foretell_it_and_not_elsewhere(
     assert len(join([above, left, off, beneath])) == 4
 
 
+def test_pieces_with_layers_between_them_are_not_joined():
+    left = piece_of(0, 50, 100)
+    beneath = piece_of(0, 70, 110)
+    # Below the one beneath, then above the row of the first.
+    rises = Piece(np.arange(55, 120), np.linspace(114, 84, 65), np.ones(65))
+    right = piece_of(100, 120, 100)
+    assert len(join([left, beneath, rises, right])) == 4
+
+
 def test_pieces_that_cross_where_one_has_no_pick_are_all_kept():
     level = piece_of(0, 300, 50)
     dips = Piece(np.arange(300), np.where(np.arange(300) < 100, 46.0, 56.0), np.ones(300))
