@@ -14,13 +14,12 @@ RELIEF = {
     "slab_change_bins2": [4.0, 3.0, 2.0, 1.0],
     "slab_exponent": [1.5, 1.2, 1.0, 0.8],
 }
-SURFACE = {
+NUMBERS = {
+    "noise_power": 1e-3,
     "surface_error_bins": 0.8,
     "surface_error_length_m": 200.0,
     "surface_movement_bins": 0.4,
     "surface_movement_length_m": 40.0,
-}
-SPREADS = {
     "noise_spread_db": 1.5,
     "surface_to_noise_spread_db": 2.0,
     "common_spread_db": 3.0,
@@ -29,11 +28,6 @@ SPREADS = {
     "background_spread_db": 1.0,
     "further_spacing_bins": 30.0,
     "further_rise_db": 1.0,
-}
-FADING = {
-    "fading_spread_db": [1.0, 2.0],
-    "fading_length_lines": [20.0, 40.0],
-    "fading_exponent": [1.0, 2.0],
 }
 PLAIN_RELIEF = dict.fromkeys(("relief_variance_bins2", "slab_change_bins2"), np.zeros(4))
 
@@ -61,13 +55,13 @@ def planted(n_slabs=20, n_layers=(3, 8), **changes):
         "peak_power": ("layer", peak_power),
         "variance_bins2": ("layer", np.full(8, 0.6)),
         "decay_rate": ("layer", np.full(8, 0.1)),
+        "fading_spread_db": ("interface", [1.0, 2.0]),
+        "fading_length_lines": ("interface", [20.0, 40.0]),
+        "fading_exponent": ("interface", [1.0, 2.0]),
         "background_power": ("fall", [0.0, 5e-3, 1e-3]),
     }
     variables |= {name: ("zone", values) for name, values in RELIEF.items()}
-    variables |= {name: ("interface", values) for name, values in FADING.items()}
-    numbers = SURFACE | SPREADS | {"noise_power": 1e-3}
-    variables |= {name: ((), value) for name, value in numbers.items()}
-    dataset = xr.Dataset(variables, coords={"fall": [30.0, 100.0, 1000.0]})
+    dataset = xr.Dataset(variables | NUMBERS, coords={"fall": [30.0, 100.0, 1000.0]})
     for name, values in changes.items():
         dataset[name] = dataset[name].dims, values
     attrs = {"content": STATISTICS_CONTENT, "n_looks": 1000.0, "line_spacing_m": SPACING_M}

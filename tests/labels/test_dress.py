@@ -2,57 +2,43 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from planted_labels import planted
 from refusals import refusal
 
-from snowsim.constants import STATISTICS_CONTENT
 from snowsim.echogram import Kind
 from snowsim.labels import dress
 
 
-@pytest.fixture
-def statistics():
-    return xr.Dataset(
-        {
-            "peak_power": ("layer", [1.0, 0.3, 0.2]),
-            "decay_rate": ("layer", [0.09, 0.07, np.nan]),
-            "variance_bins2": ("layer", [11.0, 12.0, 13.0]),
-            "noise_power": 1e-3,
-        },
-        attrs={"content": STATISTICS_CONTENT, "n_looks": 100.0},
-    )
+def flat(n_layers):
+    """Layers 20 bins apart on 4 range lines."""
+    return np.repeat(50.0 + 20 * np.arange(n_layers)[:, None], 4, axis=1)
 
 
-def flat(n_layers, n_lines=4):
-    """Layers 20 bins apart."""
-    return np.repeat(50.0 + 20 * np.arange(n_layers)[:, None], n_lines, axis=1)
-
-
-def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_valid_one(
-    statistics,
-):
-    echoes = dress(flat(5), statistics)
-    assert_array_equal(echoes.power, np.repeat([[1], [0.3], [0.2], [0.2], [0.2]], 4, axis=1))
-    assert_array_equal(echoes.decay_rate, [0.09, 0.07, 0.07, 0.07, 0.07])
-    assert_array_equal(echoes.variance_bins2, [11, 12, 13, 13, 13])
-    assert_array_equal(echoes.kind, [Kind.LAYER] * 5)
-    assert echoes.noise_power == 1e-3
-    assert echoes.n_looks == 100
+def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_valid_one():
+    variance = np.arange(11.0, 19.0)
+    statistics = planted(variance_bins2=variance, decay_rate=[0.09, 0.07, *[np.nan] * 6])
+    statistics = statistics.drop_vars("background_power")
+    echoes = dress(flat(10), statistics)
+    uppermost = np.minimum(np.arange(10), 7)
+    power = statistics["peak_power"].values[uppermost]
+    assert_array_equal(echoes.power, np.repeat(power[:, None], 4, axis=1))
+    assert_array_equal(echoes.decay_rate, [0.09, *[0.07] * 9])
+    assert_array_equal(echoes.variance_bins2, variance[uppermost])
+    assert_array_equal(echoes.kind, Kind.LAYER)
+    assert (echoes.noise_power, echoes.n_looks) == (1e-3, 1000)
     assert echoes.speckle_correlation is None
     # A shallow scene takes the uppermost layers. Speckle is correlated as measured, where it was.
     statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
     shallow = dress(flat(2), statistics)
-    assert_array_equal(shallow.power[:, 0], [1, 0.3])
+    assert_array_equal(shallow.power[:, 0], power[:2])
     assert_array_equal(shallow.speckle_correlation, [1, 0.1])
 
 
-def test_the_background_lies_below_the_surface_and_has_its_own_power_and_fall(statistics):
+def test_the_background_lies_below_the_surface_and_has_its_own_power_and_fall():
     layer_bins = np.repeat([[50.0], [50.5], [90.0]], 8, axis=1)
     layer_bins[1, 4:] = np.nan
-    statistics["background_power"] = ("fall", [0.01, 0.0, 0.002])
-    statistics["fall"] = ("fall", [30.0, 100.0, 1000.0])
-    echoes = dress(layer_bins, statistics)
+    echoes = dress(layer_bins, planted(background_power=[0.01, 0.0, 0.002]))
     assert (np.diff(echoes.bins[:4, :4], axis=0) > 0).all()
     assert_array_equal(np.flatnonzero(echoes.kind == Kind.BACKGROUND), [1, 2])
     assert_array_equal(echoes.bins[echoes.kind == Kind.LAYER], layer_bins)
@@ -62,13 +48,12 @@ def test_the_background_lies_below_the_surface_and_has_its_own_power_and_fall(st
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "message"),
+    ("change", "message"),
     [
-        ("peak_power", ("layer", [np.nan, 1, 1]), "peak_power at layer 0 must be finite, above 0"),
-        ("noise_power", np.nan, "need noise_power, all finite"),
+        ({"peak_power": [np.nan] * 8}, "peak_power at layer 0 must be finite, above 0"),
+        ({"noise_power": np.nan}, "need noise_power, all finite"),
     ],
 )
-def test_bad_statistics_are_refused(statistics, name, value, message):
-    statistics[name] = value
+def test_bad_statistics_are_refused(change, message):
     with refusal(message):
-        dress(flat(3), statistics)
+        dress(flat(3), planted(**change))

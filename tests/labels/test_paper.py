@@ -93,7 +93,6 @@ def test_statistics_without_a_plain_spectrum_are_refused(rng):
         lambda statistics: scenes(2, statistics=statistics, rng=1),
         lambda statistics: varied(statistics, rng=1),
     ],
-    ids=["prepare", "draw_paper_scene", "dress", "scenes", "varied"],
 )
 def test_statistics_of_an_earlier_version_are_refused_in_one_line(door):
     with refusal("statistics: content must be .* 3', got 'earlier': fit them"):
