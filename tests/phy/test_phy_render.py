@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from refusals import refusal
 from scipy.stats import ks_2samp
 
@@ -31,11 +31,9 @@ def test_render_draws_what_the_form_as_printed_draws(exact, planted, rng):
 @pytest.mark.parametrize("exact", [True, False])
 def test_speckle_is_that_of_the_parameters(exact, planted):
     layer_bins, parameters = planted
-    plain = render(layer_bins, parameters, N_RANGE_BINS, exact=exact, rng=1)
-    assert plain.dtype == (np.float64 if exact else np.float32)
-    assert_array_equal(plain, render(layer_bins, parameters, N_RANGE_BINS, exact=exact, rng=1))
     varied = parameters | {"speckle_correlation": [1, 0.4, 0.1]}
     air = render(layer_bins, varied, N_RANGE_BINS, exact=exact, rng=1)[:20]
+    assert air.dtype == (np.float64 if exact else np.float32)
     # 64 lines of 20 bins give a correlation to 0.03.
     neighbours = np.corrcoef(air[:-1].ravel(), air[1:].ravel())[0, 1]
     assert_allclose(neighbours, 0.4, atol=4 * 0.03)
