@@ -1,8 +1,8 @@
-"""A finished run of the tiny configuration, made once for all tests, and the rules as declared."""
+"""A finished run of the tiny configuration, made once for all tests."""
 
 import pytest
 import reproducible
-from runs import copy_source, made_once, parsed, run_snakemake, source_tree
+from runs import copy_source, made_once, run_snakemake, source_tree
 
 
 @pytest.fixture(scope="session")
@@ -38,19 +38,3 @@ def reproducible_targets(tiny_run):
     """
     names = reproducible.digests(tiny_run / "results")
     return [f"results/{name}" for name in names if f"{name.removesuffix('.png')}.svg" not in names]
-
-
-@pytest.fixture(scope="session")
-def load_rules(tmp_path_factory):
-    """Function that gives the rules as declared for the tiny configuration and further settings."""
-
-    def load(**settings):
-        return list(parsed(tmp_path_factory.mktemp("rules"), **settings).rules)
-
-    return load
-
-
-@pytest.fixture(scope="session")
-def rules(load_rules):
-    """Rules as they are declared for the tiny configuration."""
-    return load_rules()

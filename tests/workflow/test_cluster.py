@@ -2,7 +2,7 @@
 
 import pytest
 import reproducible
-from runs import environment, run_snakemake, text_of
+from runs import environment, parsed, run_snakemake, text_of
 from slurm import missing_programs, one_node_cluster
 
 
@@ -50,8 +50,9 @@ def test_the_slurm_profile_plans_the_whole_run(slurm_plugin, tmp_path):
 
 
 @pytest.mark.parametrize("device", ["cpu", "cuda"])
-def test_rules_that_use_a_gpu_ask_for_one(load_rules, device):
-    rules = load_rules(cgan={"device": device}, tracker={"device": device})
+def test_rules_that_use_a_gpu_ask_for_one(tmp_path, device):
+    plan = parsed(tmp_path, cgan={"device": device}, tracker={"device": device})
+    rules = list(plan.rules)
     n_gpus = {rule.name: dict(rule.resources.items()).get("gpu") for rule in rules}
     asking = {name for name, resource in n_gpus.items() if resource is not None and resource.value}
     # Exactly the rules that are given a device.
