@@ -74,43 +74,44 @@ def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys)
     assert "20120429_01_002,0,0," in capsys.readouterr().out
 
 
-def as_files(folder, form, layers, mask):
+def as_file(folder, form, layers):
     """The same layers in a form that truth and picks may have."""
+    path = folder / form
+    mask = layer_mask(layers, N_BINS)
     numbers, _ = layer_numbers(layers, N_BINS)
-    if form == "layer_x.png":
-        write_image(folder / form, numbers)
-    elif form.endswith(".png"):
-        write_image(folder / form, mask)
-    elif form == "scene_x.nc":
-        dataset = xr.Dataset({"layer_bins": (("range_line", "layer"), layers.T)})
-        write_dataset(folder / form, dataset)
-    else:
-        folder.mkdir(exist_ok=True)
-        arrays = {
-            "mask": mask,
-            "grey": 255 * mask.astype(np.uint8),
-            "layers": layers,
-            "numbers": numbers,
-            "numbers as floats": numbers.astype(float),
-        }
-        np.save(folder / "x.npy", arrays[form])
+    if path.suffix == ".nc":
+        write_dataset(path, xr.Dataset({"layer_bins": (("range_line", "layer"), layers.T)}))
+        return path
+    values = {
+        "layer_binary_x.png": mask,
+        "x.png": mask,
+        "layer_x.png": numbers,
+        "mask.npy": mask,
+        "grey.npy": 255 * mask.astype(np.uint8),
+        "layers.npy": layers,
+        "numbers.npy": numbers,
+        "floats.npy": numbers.astype(float),
+    }
+    folder.mkdir(exist_ok=True)
+    write = np.save if path.suffix == ".npy" else write_image
+    write(path, values[form])
+    return path
 
 
-FORMS = ["layer_binary_x.png", "x.png", "layer_x.png", "scene_x.nc", "mask", "grey", "layers"]
+FORMS = ["layer_binary_x.png", "x.png", "layer_x.png", "scene_x.nc", "mask.npy", "grey.npy"]
 
 
-@pytest.mark.parametrize("form", [*FORMS, "numbers", "numbers as floats"])
+@pytest.mark.parametrize("form", [*FORMS, "layers.npy", "numbers.npy", "floats.npy"])
 def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
-    as_files(tmp_path / "true", form, LAYERS, MASK)
+    truth = as_file(tmp_path / "true", form, LAYERS)
     np.save(tmp_path / "x.npy", edge_map(1) / 255)
-    (truth,) = (tmp_path / "true").iterdir()
     table = score_folders(tmp_path / "x.npy", truth, n_bootstrap=1)
     edges = suppress(edge_map(1) / 255, added_curvature=0)
     expected = score([match_counts(edges, MASK, thresholds_of([edges]))])
     for name in ("ods", "ap"):
         assert_allclose(table.loc[0, name], expected[name], rtol=1e-12)
-    as_files(tmp_path / "made", form, LAYERS + 3, layer_mask(LAYERS + 3, N_BINS))
-    folders = (tmp_path / "made", tmp_path / "true")
+    made = as_file(tmp_path / "made", form, LAYERS + 3)
+    folders = (made.parent, truth.parent)
     table = score_folders(*folders, picks=True, n_bootstrap=1, within_bins=2.9)
     errors = table.loc[0, ["mean_absolute_error_bins", "share_within", "share_found"]]
     assert errors.tolist() == [3, 0, 1]
