@@ -157,7 +157,6 @@ def test_commands_write_what_the_functions_give(tmp_path):
     assert "a radar has no colour, but bandwidth_hz, " in done.output
     done = CliRunner().invoke(cli.scenes, f"{tmp_path}/s -n 2 --range-lines 16")
     assert done.output.startswith("n_scenes 2")
-    assert len(list((tmp_path / "s").glob("data_*.png"))) == 2
 
 
 def test_all_names_people_script_with_come_with_a_star():
@@ -236,7 +235,6 @@ def test_any_function_of_a_scene_renders():
     image, mask = mine[2]
     assert image.dtype == np.uint8
     assert image[mask > 0].min() > np.median(image)
-    assert_array_equal(mine[2][0], image)
 
 
 def test_a_mirror_is_told_that_its_speckle_is_full():

@@ -87,7 +87,6 @@ PLAIN = {
     "decay_rate": [0.07],
     "n_range_bins": 256,
 }
-NOTHING = {"peak_power": [], "variance_bins2": [], "decay_rate": []}
 FAR_APART = {
     "layer_bins": np.concatenate([100 + LINES, 160 + LINES]),
     "peak_power": [1.0, 1e-300],
@@ -99,7 +98,6 @@ STRONGEST_ABSENT = FAR_APART | {
     "peak_power": [1e30, 1.0],
 }
 AT_THE_LIMITS = {
-    "no layers": (NOTHING | {"layer_bins": np.empty((0, 4))}, 1e-3),
     "all absent": ({"layer_bins": np.nan * LINES}, 1e-3),
     "no range lines": ({"layer_bins": np.empty((1, 0))}, 1e-3),
     "one pixel": ({"layer_bins": [[0.0]], "n_range_bins": 1}, 1e-3),

@@ -108,7 +108,6 @@ def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
 def test_segment_is_5_km_of_complex_looks_that_are_independent_and_fifteen_layers(climate, rng):
     segment = draw_complex_segment(climate=climate, settings=climate.settings, rng=rng)
     assert segment.attrs["synthetic"].startswith("synthetic")
-    assert segment.sizes["slow_time"] == 962 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)
     assert segment.sizes["layer"] > 15
     assert np.isfinite(segment["layer_twtt"]).all()

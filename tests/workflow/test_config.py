@@ -149,7 +149,6 @@ def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
     files = {file for job in plan.dag.jobs for file in job.output}
     shared = {file.split("/")[1] for file in files if not file.startswith("results/as_printed/")}
     assert shared == {"flight", "benchmark", "statistics"}  # of the last the sums over frames
-    assert "results/as_printed/statistics.nc" in files
     assert "results/as_printed/tables/table3.csv" in files
 
 

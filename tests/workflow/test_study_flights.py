@@ -66,14 +66,12 @@ def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_pa
 
 
 @pytest.mark.study
-def test_two_small_flights_run_to_their_table_and_figure(tmp_path):
+def test_two_small_flights_run_to_their_table(tmp_path):
     run_snakemake(tmp_path, "--", "study_flights", timeout=3600)
-    folder = tmp_path / "results/studies/flights"
-    worth = pd.read_csv(folder / "worth.csv")
+    worth = pd.read_csv(tmp_path / "results/studies/flights/worth.csv")
     sets = {name for pair in PAIRS for name in pair}
     assert len(worth) == 3 * (len(PAIRS) + len(sets))
     assert worth[["flight_3000", "flight_3001", "low", "high"]].notna().all(axis=None)
-    assert (tmp_path / "results/figures/flights_worth.svg").stat().st_size > 1000
 
 
 @pytest.mark.study
