@@ -70,7 +70,6 @@ def test_power_is_one_for_a_layer_and_variances_lie_between_the_printed_bounds(d
     assert_array_equal(echoes.bins, drawn[0].layer_bins)
     assert (echoes.kind == Kind.LAYER).all()
     assert echoes.n_looks == 100
-    assert echoes.speckle_correlation is None
 
 
 def test_wider_scenes_do_not_repeat_themselves(rng):

@@ -144,19 +144,9 @@ def test_a_scene_has_the_width_asked_for(n_range_lines, rng):
     assert scene.layer_bins.shape[1] == scene.echoes.power.shape[1] == n_range_lines
 
 
-@pytest.mark.parametrize(
-    ("lacking", "message"),
-    [
-        ("relief_length_m", "need relief_length_m, all finite"),
-        ("noise_spread_db", "need noise_spread_db"),
-    ],
-)
-def test_label_models_name_what_statistics_lack(lacking, message):
-    with refusal(message):
-        prepare(planted().drop_vars(lacking), N_LINES)
-
-
-def test_impossible_widths_are_refused(rng):
+def test_statistics_that_lack_something_and_impossible_widths_are_refused(rng):
+    with refusal("need relief_length_m, all finite"):
+        prepare(planted().drop_vars("relief_length_m"), N_LINES)
     with refusal("prepared for 256 range lines, got 128"):
         draw(prepare(planted(), N_LINES), 128, rng=rng)
     with refusal("n_range_lines must be a whole number of at least 2"):

@@ -50,7 +50,6 @@ def test_thin_slabs_have_no_crusts_and_none_asked_for_changes_nothing(rng):
 def test_bands_have_the_mean_power_and_number_that_are_asked_for(rng):
     clutter = Clutter(bands_per_100_bins=1.0, band_db=3.0)
     drawn = [bands((600, 60), 1e-3, clutter, rng=rng) for _ in range(200)]
-    assert all((power >= 0).all() for power in drawn)
     # A band holds power times sqrt(2 pi) times its width, 1 to 3 bins; 6 in 600 bins. Their number
     # and power scatter by sqrt(2 / 1200) together, 4 %, those beyond the ends lose 1 %.
     expected = 6 * 2e-3 * np.sqrt(2 * np.pi) * 2 / 600

@@ -63,15 +63,11 @@ def made_once(path, make):
     return path
 
 
-def command(
-    folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile", source=None
-):
+def command(folder, *arguments, configs=TINY, cores=2, profile="default", source=None):
     """Words of a call of Snakemake with results in `folder`."""
     source = source or source_tree()
-    words = [SNAKEMAKE, "--snakefile", source / snakefile, "--directory", folder]
-    words += ["--workflow-profile", source / "profiles" / profile]
-    if profile == "default":
-        words += ["--cores", cores]
+    words = [SNAKEMAKE, "--snakefile", source / "Snakefile", "--directory", folder]
+    words += ["--workflow-profile", source / "profiles" / profile, "--cores", cores]
     words += ["--configfile", *[source / "config" / config for config in configs]]
     words += arguments
     return [str(word) for word in words]

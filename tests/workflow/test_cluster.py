@@ -29,8 +29,6 @@ def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_ta
     words = (
         "--jobs",
         8,
-        "--cores",
-        2,
         "--latency-wait",
         10,
         "--slurm-init-seconds-before-status-checks",

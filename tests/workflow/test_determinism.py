@@ -44,9 +44,7 @@ def test_other_shards_in_another_order_give_the_same_tables_and_figures(
     first = [name for name in wanted if "closed_loop" in name]
     assert first
     folder = tmp_path / "run"
-    run_snakemake(
-        folder, "--prioritize", *first, "--", *wanted, cores=2, configs=configs, timeout=3600
-    )
+    run_snakemake(folder, "--prioritize", *first, "--", *wanted, configs=configs, timeout=3600)
     assert len(list((folder / "results/labels").glob("*.nc"))) == 2
     assert len(list((folder / "results/statistics").glob("*.nc"))) == 4
     assert_same_bytes(folder, tiny_run, [name.removeprefix("results/") for name in wanted])

@@ -163,7 +163,6 @@ def test_own_files_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"
-    assert found.sizes["layer"] == expected.sizes["layer"]
     # Decibels in float32, eps 6e-8 of some 30 dB, keep power to 4e-7; levelling by whole bins moves
     # nothing.
     for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
@@ -171,6 +170,5 @@ def test_own_files_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path
     for split in ("train", "test"):
         # Lines 0 to 255 and 250 to 505 of 512.
         assert len(SceneSet(results / f"benchmark/{split}/0000.nc")) == 2
-    assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 0, 2, 2]
     check_own(results)
     assert "own frames" in (results / "figures/flight_line.svg").read_text()
