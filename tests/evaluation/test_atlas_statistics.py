@@ -25,7 +25,6 @@ def test_every_number_is_finite_and_every_refusal_says_why(atlas):
     refused = atlas["outcome"] == "refused"
     assert (refused == (atlas["quantity"] == "all")).all()
     assert (atlas.loc[refused, "note"].str.len() > 20).all()
-    assert set(atlas["outcome"]) <= {"within", "beyond", "refused"}
     numbers = atlas.loc[~refused, ["error", "largest"]]
     assert np.isfinite(numbers.to_numpy()).all()
     # Where nothing falls to 1/e: drowned in noise, and where tails hardly decay.

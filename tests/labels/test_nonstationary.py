@@ -21,12 +21,6 @@ def scenes(statistics, nonstationary, n=200, seed=7):
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
 
 
-def test_off_draws_the_same_bytes():
-    drawn = [scene.layer_bins for scene in scenes(planted(), None, n=5)]
-    off = [scene.layer_bins for scene in scenes(planted(), Nonstationary(0, 0, 30, (1,)), n=5)]
-    assert [one.tobytes() for one in drawn] == [one.tobytes() for one in off]
-
-
 def test_a_trend_is_found_again_and_leaves_the_mean():
     line = np.arange(N_LINES) / (N_LINES - 1) - 0.5
     with_trend = scenes(SMOOTH, Nonstationary(trend_sd=0.2))

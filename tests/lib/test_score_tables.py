@@ -13,7 +13,6 @@ def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shal
     images["psnr"] = [5, 7, 20, 30]
     images["ssim"] = [0.1, 0.2, 0.5, 0.7]
     table = similarity_table(images).set_index(["metric", "statistic"])
-    assert list(table.columns) == ["cgan", "phy"]
     assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
     assert_allclose(table.loc["ssim", "cgan"], [0.5, 0.6, 0.7])
     rows = pd.DataFrame({"scene": [*"aaaabbbbbb"], "range_bin": [*range(4), *range(6)]})
