@@ -101,7 +101,6 @@ AT_THE_LIMITS = {
     "all absent": ({"layer_bins": np.nan * LINES}, 1e-3),
     "no range lines": ({"layer_bins": np.empty((1, 0))}, 1e-3),
     "one pixel": ({"layer_bins": [[0.0]], "n_range_bins": 1}, 1e-3),
-    "half above top": ({"layer_bins": 0 * LINES - 0.5}, 1e-3),
     "far outside": ({"layer_bins": LINES - 1e4}, 1e-3),
     "no noise": ({}, 0.0),
     "no power": ({"peak_power": [0.0]}, 0.0),

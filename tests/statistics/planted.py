@@ -81,14 +81,14 @@ class Planted:
         peaks = self.of_each(peak_of)
         return [(table / value, row) for table, (row, value) in zip(tables, peaks, strict=True)]
 
-    def flight(self, rng, *, n_frames=4, n_lines=256, n_looks=100, slab_bins=44, align="peak"):
+    def flight(self, rng, *, n_frames=4, n_looks=100, align="peak"):
         """Frames with slabs that vary along track and a surface that moves."""
         frames = []
         for index in range(n_frames):
-            mean = slab_bins * (1 + 0.05 * rng.standard_normal((4, 1)))
-            thickness = mean + np.cumsum(0.1 * rng.standard_normal((4, n_lines)), axis=1)
-            surface = 50.3 + 3 * np.sin(np.arange(n_lines)[None] / 30)
-            depth = np.concatenate([np.zeros((1, n_lines)), np.cumsum(thickness, axis=0)])
+            mean = 44 * (1 + 0.05 * rng.standard_normal((4, 1)))
+            thickness = mean + np.cumsum(0.1 * rng.standard_normal((4, 256)), axis=1)
+            surface = 50.3 + 3 * np.sin(np.arange(256)[None] / 30)
+            depth = np.concatenate([np.zeros((1, 256)), np.cumsum(thickness, axis=0)])
             layer_bins = surface + depth
             power = self.power(layer_bins, int(layer_bins.max()) + 100, align=align)
             seen = rng.gamma(n_looks, power / n_looks)

@@ -3,7 +3,7 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 
-from snowsim.statistics import doppler_spectra, merge, summarise
+from snowsim.statistics import doppler_spectra, summarise
 from snowsim.statistics.speckle import compare_with_gamma, range_correlation
 
 
@@ -21,27 +21,27 @@ def test_looks_of_gamma_power_come_back_whatever_its_brightness(rng, n_looks):
 RESPONSE = np.array([0.3, 1.0, 0.5, -0.1])  # of the amplitude, in range bins
 
 
-def air_frame(rng, minute, n_looks=3, surface=130.0):
-    """Air of M looks through `RESPONSE`, gain by line, bands, an overloaded line, a surface."""
-    shape = (n_looks, 160 + RESPONSE.size - 1, 512)
+def air_frame(rng, surface=130.0):
+    """Air of 3 looks through `RESPONSE`, gain by line, bands, overloaded lines, a surface."""
+    shape = (3, 160 + RESPONSE.size - 1, 4096)
     looks = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     field = sum(tap * looks[:, i : i + 160] for i, tap in enumerate(RESPONSE))
     bands = 3 * (np.arange(160)[:, None] % 40 == 7)
     power = (np.abs(field) ** 2).mean(axis=0) + bands
-    gain = np.exp(0.3 * rng.standard_normal(512))
-    power *= gain * np.where(np.arange(512) == 100, 50, 1)
+    gain = np.exp(0.3 * rng.standard_normal(4096))
+    power *= gain * np.where(np.arange(4096) % 512 == 100, 50, 1)
     power[110:] *= 1000
-    layer_bins = np.array([surface, surface + 10])[:, None] * np.ones(512)
-    return made_up_frame(power, layer_bins, minute=minute)
+    layer_bins = np.array([surface, surface + 10])[:, None] * np.ones(4096)
+    return made_up_frame(power, layer_bins)
 
 
-def correlation_of(*frames):
-    summary = merge(summarise(*frame) for frame in frames)
+def correlation_of(echogram, layers):
+    summary = summarise(echogram, layers)
     return range_correlation(summary["air_products"].values, summary["air_pairs"].values)
 
 
 def test_correlation_down_range_comes_back(rng):
-    found = correlation_of(*(air_frame(rng, i) for i in range(8)))
+    found = correlation_of(*air_frame(rng))
     amplitude = np.correlate(RESPONSE, RESPONSE, "full")[RESPONSE.size - 1 :]
     planted = np.pad((amplitude / amplitude[0]) ** 2, (0, 5))
     assert found[0] == 1
@@ -51,8 +51,8 @@ def test_correlation_down_range_comes_back(rng):
 
 def test_without_air_or_speckle_bins_are_independent(rng):
     still = made_up_frame(np.ones((160, 512)), np.array([130.0, 140])[:, None] * np.ones(512))
-    for frame in (air_frame(rng, 0, surface=45.0), still):
-        assert correlation_of(frame).tolist() == [1] + 8 * [0]
+    for frame in (air_frame(rng, surface=43.0), still):
+        assert correlation_of(*frame).tolist() == [1] + 8 * [0]
 
 
 def test_doppler_spectrum_of_a_steady_squint_is_a_line():
