@@ -27,15 +27,15 @@ BARE = {
 }
 
 
-def climate_of(reference, seed=1):
+def climate_of(reference):
     settings = checked_settings(reference)
-    return draw_climate(settings, rng=random_stream(seed, "climate"))
+    return draw_climate(settings, rng=random_stream(1, "climate"))
 
 
-def frames_of(reference, n_frames, n_range_lines, seed=1):
+def frames_of(reference, n_frames, n_range_lines):
     """Echogram and layers of frames of a short flight under these settings."""
     settings = checked_settings(reference)
-    climate = draw_climate(settings, rng=np.random.default_rng(seed))
+    climate = draw_climate(settings, rng=np.random.default_rng(1))
     given = {"climate": climate, "settings": settings}
     return [
         draw_frame(i, n_frames, n_range_lines, **given, rng=np.random.default_rng(i))

@@ -16,13 +16,12 @@ def table2(cgan, phy):
     return metrics.merge(of_metric, how="cross")
 
 
-def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
-    """Table III's intervals, the differences to RD planted by (output, training set) or none."""
+def table3_intervals(differences, half_width=0.005, outputs=OUTPUTS):
+    """Table III's intervals, the differences to RD planted by (output, training set)."""
     keys = product(outputs, SETS, METRICS)
     table = pd.DataFrame(keys, columns=["output", "training_set", "metric"])
-    planted = differences or {}
     of_rows = zip(table["output"], table["training_set"], strict=True)
-    difference = pd.Series([planted.get(row, 0.0) for row in of_rows])
+    difference = pd.Series([differences.get(row, 0.0) for row in of_rows])
     table["mean"] = 0.8 + difference
     table["low"] = 0.78
     table["high"] = 0.82

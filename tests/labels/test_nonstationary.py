@@ -15,9 +15,9 @@ SMOOTH = planted(
 )
 
 
-def scenes(statistics, nonstationary, n=200, seed=7):
+def scenes(statistics, nonstationary, n=200):
     model = prepare(statistics, N_LINES, nonstationary=nonstationary)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(7)
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
 
 

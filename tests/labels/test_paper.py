@@ -15,11 +15,11 @@ from snowsim.statistics import varied
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
 
-def as_printed(scale=40.0):
+def as_printed():
     """Planted statistics with the plain spectra of the estimator `paper`, red, by zone."""
     psd = np.zeros((4, 20, WAVENUMBER.size))
     of_zone = np.array([0.7, 0.9, 1.1, 1.3])[:, None, None]
-    psd[..., 1:] = scale * of_zone / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
+    psd[..., 1:] = 40 * of_zone / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
     psd[..., -1] /= 2
     return planted().assign(thickness_psd=(("zone", "slab", "wavenumber"), psd))
 

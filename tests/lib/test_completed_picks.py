@@ -15,9 +15,9 @@ def scene():
     return Scene("planted", 120, layer_bins)
 
 
-def followed(rows, n_lines=100):
+def followed(rows):
     """Layers that a tracker follows that is sure of some (row, first line, end)."""
-    probability = np.zeros((120, n_lines))
+    probability = np.zeros((120, 100))
     for row, first, last in rows:
         for distance, value in ((0, 0.9), (1, 0.5), (-1, 0.5)):
             probability[row + distance, first:last] = value
