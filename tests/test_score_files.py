@@ -98,10 +98,20 @@ def as_file(folder, form, layers):
     return path
 
 
-FORMS = ["layer_binary_x.png", "x.png", "layer_x.png", "scene_x.nc", "mask.npy", "grey.npy"]
+FORMS = [
+    "layer_binary_x.png",
+    "x.png",
+    "layer_x.png",
+    "scene_x.nc",
+    "mask.npy",
+    "grey.npy",
+    "layers.npy",
+    "numbers.npy",
+    "floats.npy",
+]
 
 
-@pytest.mark.parametrize("form", [*FORMS, "layers.npy", "numbers.npy", "floats.npy"])
+@pytest.mark.parametrize("form", FORMS)
 def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
     truth = as_file(tmp_path / "true", form, LAYERS)
     np.save(tmp_path / "x.npy", edge_map(1) / 255)
