@@ -145,8 +145,9 @@ def own_flight(tiny_flight, tmp_path):
         formats.write_nsidc(tmp_path / f"{number}.nc", formats.content_of(echogram, gps_time))
         picks = f"Data_20120330_04_{number:03d}.mat"
         twtt = layers["twtt"].transpose("layer", "slow_time").values
-        elevation = echogram["Elevation"].values
-        content = formats.layer_content(twtt, ids[: len(twtt)], gps_time, elevation=elevation)
+        content = formats.layer_content(twtt, ids[: len(twtt)], gps_time)
+        for key, name in {"lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}.items():
+            content[key] = echogram[name].values
         formats.write_mat5(tmp_path / picks, content)
         rows.append(f"frame_{number}\t{number}.nc\t{picks}\t{role}\n")
     rows.append(rows[0].replace("frame_0", "shown").replace("statistics", "train"))
