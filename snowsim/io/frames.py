@@ -13,6 +13,7 @@ from snowsim.echogram import (
     FAR_BINS,
     bin_size_s,
     check_choice,
+    check_layers,
     surface_away_bins,
     why_no_power,
 )
@@ -20,6 +21,7 @@ from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import ABSENT, begins_with_surface
+from snowsim.io.pairs import NAME, PLAIN_NAME
 from snowsim.io.times import leap_seconds
 from snowsim.progress import shown
 
@@ -71,11 +73,12 @@ def _troubles(table):
     is_held_out = role.isin(HELD_OUT).groupby(real).transform("any")
     twice = pd.DataFrame({"file": real, "role": role}).duplicated(keep=False)
     once = f"expected once for a role, and for {' or '.join(HELD_OUT)} alone, found"
+    is_bad = ~table["frame"].str.fullmatch(NAME.pattern)
     # A file or a directory: a Zarr store is a directory.
     absent = ~table[["echogram", "layers"]].map(os.path.exists)
     checks = [
         ("frame", "expected names that differ, found", table["frame"].duplicated(keep=False)),
-        ("frame", "expected a name without folders, found", table["frame"].str.contains("/|^$")),
+        ("frame", f"expected {PLAIN_NAME}, found", is_bad & role.notna()),
         ("role", f"expected {', '.join(ROLES)}, found", ~table["role"].isin(ROLES)),
         ("echogram", "expected a file, found nothing at", absent["echogram"]),
         ("layers", "expected a file, found nothing at", absent["layers"] & role.notna()),
@@ -210,13 +213,14 @@ def read_frame(
 def _layers_from_surface(path, layer_names):
     """Layers of a file from the surface down: all that it has, or those named, NaN where absent."""
     layers = read_layers(path, names=layer_names, missing="skip")
-    if not begins_with_surface(layers):
-        expected = "one named surface (from the organizer file beside it)"
-        labels = layers["layer"].values.astype(str)
-        raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
     if layer_names is not None:
         absent = {"twtt": np.nan, **ABSENT}
         layers = layers.reindex(layer=list(layer_names), fill_value=absent)
+        check_layers(layers, f"{path}: in the order of layer_names")
+    if not begins_with_surface(layers):
+        expected = "one named surface (from the organizer file beside it), the first"
+        labels = layers["layer"].values.astype(str)
+        raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
     return layers
 
 

@@ -331,6 +331,7 @@ LAYERS = ("annotated", "complete")
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 # Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
 # number image a mask.
+PLAIN_NAME = "a plain file name without data_ and binary_"
 NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -452,7 +453,7 @@ def _listed(folder, scenes, list_name, file_name):
     names = []
     for scene in scenes:
         if not NAME.fullmatch(scene.name) or scene.name in names:
-            expected = "a plain file name, unlike all others, without data_ and binary_"
+            expected = f"{PLAIN_NAME}, unlike all others"
             raise refusal(folder, "scene", expected, repr(scene.name))
         yield scene
         names.append(scene.name)

@@ -52,7 +52,7 @@ def test_rows_that_fail_are_named_together_before_a_file_is_opened(flight):
         f"four\t\t{LAYERS}\ttrain": "echogram: expected a file, found nothing at none",
         f"five\tc.mat\t{LAYERS}\ttrain": "frame: expected names that differ",
         f"five\t../{flight.name}/c.mat\t{LAYERS}\ttrain": "frame: expected names that differ",
-        f"a/six\tc.mat\t{LAYERS}\tstatistics": "frame: expected a name without folders",
+        f"a/six\tc.mat\t{LAYERS}\tstatistics": "frame: expected a plain file name",
         f"seven\tc.mat\t{LAYERS}\ttrain": once,
     }
     (flight / "bad.tsv").write_text("\n".join([formats.TABLE_HEADER, *rows]))
@@ -102,6 +102,8 @@ def test_named_layers_have_the_same_row_in_every_frame(rows):
     assert layers["layer"].values.tolist() == names
     assert np.isnan(bins[1]).all()
     assert_allclose(bins[2] - bins[0], 40, atol=1e-6)
+    with refusal("in the order of layer_names: twtt: layers must increase strictly with depth"):
+        read_frame(rows[0], layer_names=names[::-1])
 
 
 def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):

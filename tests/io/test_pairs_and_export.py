@@ -189,7 +189,7 @@ def test_decompression_bombs_are_refused_by_their_size(path, size):
 @pytest.mark.parametrize("name", ["../x", "a b", "data_x", "binary_x", "", "20120330_04_002"])
 def test_names_that_loaders_would_trip_over_are_refused(tmp_path, scenes, name):
     scenes[0].name = name
-    with refusal("expected a plain file name, unlike all others"):
+    with refusal("expected a plain file name .*, unlike all others"):
         export_pairs(tmp_path / "set", scenes)
 
 

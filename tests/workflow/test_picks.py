@@ -7,7 +7,7 @@ import yaml
 from planted_layers import SEGMENT, content_of, planted, ridge_weights, write_weights
 from runs import lines_with, run_snakemake, settings
 
-from lib.sources import frames_to_track
+from lib.sources import frames_to_track, own_frames
 
 OTHER = "20120507_03"
 
@@ -21,14 +21,25 @@ def table_of(folder, names):
 
 
 def test_jobs_hold_whole_segments(tmp_path):
-    names = [f"{SEGMENT}_00{n}" for n in (1, 2, 3)] + [f"{OTHER}_00{n}" for n in (1, 2)] + ["other"]
+    names = [f"{SEGMENT}_00{n}" for n in (1, 2, 3)] + [f"{OTHER}_00{n}" for n in (1, 2)]
+    names += ["other", "more"]  # of one segment, for all that is known
     for name in names:
         (tmp_path / f"Data_{name}.mat").touch()
     table = table_of(tmp_path, names)
-    for per_job, expected in ((1, [3, 2, 1]), (3, [3, 3]), (5, [5, 1]), (100, [6])):
+    for per_job, expected in ((1, [3, 2, 2]), (4, [3, 4]), (5, [5, 2]), (100, [7])):
         jobs = frames_to_track(table, per_job)
         assert [len(job) for job in jobs] == expected
         assert [row["frame"] for job in jobs for row in job] == names
+
+
+def test_frames_to_track_are_none_of_the_flight_s(tmp_path):
+    table = table_of(tmp_path, ["one", "two"])
+    roles = ("statistics", "train", "test")
+    for name in ("one", "two", *roles):
+        (tmp_path / f"Data_{name}.mat").touch()
+    rows = [f"{role}\tData_{role}.mat\tData_one.mat\t{role}\n" for role in roles]
+    table.write_text("".join([table.read_text(), *rows]))
+    assert own_frames(table).keys() == set(roles)
 
 
 @pytest.mark.slow

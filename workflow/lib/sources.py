@@ -45,11 +45,15 @@ def check_reference(reference, flight):
 
 
 def own_frames(path_to_table):
-    """Rows of the table of frames, dicts in lists by role; ValueError if a role lacks a frame."""
-    from snowsim.io.frames import read_frames
+    """Rows of the table of frames, dicts in lists by role; ValueError if a role lacks a frame.
+
+    Frames to track are left out: flight and benchmark know nothing of them.
+    """
+    from snowsim.io.frames import TRACK, read_frames
 
     table = read_frames(path_to_table)
     frames = {role: rows.to_dict("records") for role, rows in table.groupby("role")}
+    frames.pop(TRACK, None)
     for role in ROLES:
         if role not in frames:
             msg = f"{path_to_table}: role: expected at least one frame for {role}, found none"
@@ -61,7 +65,7 @@ def frames_to_track(path_to_table, per_job):
     """Rows of the table of frames that are to be tracked, a list of dicts for each job.
 
     A job has about `per_job` frames. A segment is never divided between jobs, however long it is,
-    since layers keep their names along it. A frame whose file names no segment is one by itself.
+    since layers keep their names along it. Frames whose files name no segment may be of one.
     """
     from snowsim.io.echograms import named_frame
     from snowsim.io.frames import TRACK, read_frames
@@ -70,7 +74,7 @@ def frames_to_track(path_to_table, per_job):
     segments = {}
     for row in table[table["role"] == TRACK].to_dict("records"):
         segment, _ = named_frame(row["echogram"])
-        segments.setdefault(segment or row["echogram"], []).append(row)
+        segments.setdefault(segment, []).append(row)
     jobs = []
     for rows in segments.values():
         if not jobs or len(jobs[-1]) + len(rows) > per_job:
@@ -80,6 +84,12 @@ def frames_to_track(path_to_table, per_job):
         msg = f"{path_to_table}: role: expected at least one frame for {TRACK}, found none"
         raise ValueError(msg)
     return jobs
+
+
+def tracker_files(name, root):
+    """The network of a tracker and its card: a file, or one that comes with the package."""
+    weights = Path(name if name.endswith(".onnx") else root / f"snowsim/data/{name}.onnx")
+    return [str(weights), str(weights.with_suffix(".json"))]
 
 
 def frame_files(row, source):

@@ -4,7 +4,7 @@
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
-        weights=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
+        tracker=sources.tracker_files(OWN["tracker"], ROOT),
     output:
         folder=directory("results/picks/{shard}"),
         table="results/tables/tracked_frames/{shard}.csv",

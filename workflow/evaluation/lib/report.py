@@ -135,7 +135,7 @@ def errors_of_picks(picks):
 
 def distinguished(two_sample):
     """Table of how often a small network tells observed scenes from others, as texts."""
-    of_network = two_sample.query("classifier == 'network' and first_row < 0")
+    of_network = two_sample.query("classifier == 'network' and first_row < 0").dropna()
     rows = []
     for row in of_network.itertuples():
         name = "the other half of the observed" if row.scenes == "observed" else NAMES[row.scenes]

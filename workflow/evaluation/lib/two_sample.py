@@ -24,7 +24,7 @@ def two_sample_table(sets, *, n_splits, n_steps, stream):
 
     `sets` maps names to lists of scenes, `observed` first, all of one length; `stream` gives a
     generator by keys. Rows: `scenes`, `classifier`, `first_row` of the patches (-1: all),
-    `accuracy`, its 95 % interval over scenes, how many.
+    `accuracy`, its 95 % interval over scenes, how many; NaN of one scene alone.
     """
     patches = tiled(sets)
     observed = patches["observed"]
@@ -33,6 +33,9 @@ def two_sample_table(sets, *, n_splits, n_steps, stream):
     rows = []
     for name, pair in pairs.items():
         n_used = min(n_splits, *map(len, pair))
+        if n_used < 2:  # nothing is left to learn from while a scene is held out
+            rows.append((name, "network", -1, np.nan, np.nan, np.nan, sum(map(len, pair))))
+            continue
         fit = partial(fit_network, n_steps=n_steps, rng=stream(name))
         right = decisions(*pair, n_splits=n_used, fit=fit)
         n_scenes = sum(map(len, pair))
