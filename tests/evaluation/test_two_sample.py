@@ -67,9 +67,8 @@ def test_scenes_of_one_kind_are_not_distinguished_and_those_of_fewer_looks_are(r
 
 def test_few_scenes_are_no_obstacle_and_ones_smaller_than_a_patch_are_refused(rng):
     scenes = [speckled(rng) for _ in range(2)]
-    stream = partial(random_stream, 1)
     few = {"observed": scenes, "phy": scenes}
-    table = two_sample_table(few, n_splits=5, n_steps=1, stream=stream)
+    table = two_sample_table(few, n_splits=5, n_steps=1, stream=partial(random_stream, 1))
     assert table.groupby("scenes")["accuracy"].count().to_dict() == {"observed": 0, "phy": 3}
     low = [Scene("low", 80, scene.layer_bins, scene.image[:80]) for scene in scenes]
     message = "expected scenes of 82 x 64 pixels or more, the smallest has 80 x 64"

@@ -155,17 +155,20 @@ def test_order_follows_what_lies_above_what_and_not_the_mean_and_depth_where_no_
     )
 
 
+def segment_files(folder, names):
+    """Layer files of two segments, deepest layer first."""
+    for number in (4, 5):
+        times = GPS_TIME + 60 * number
+        layers = formats.opr_layers([KOENIG_3, KOENIG_2, SURFACE], times, [*names, "surface"])
+        layers.to_netcdf(folder / f"Data_20120330_0{number}_001_layers.nc")
+    return folder.glob("*.nc")
+
+
 def test_layers_of_a_segment_may_be_named_by_years_but_tracked_ones_are_of_one_segment(tmp_path):
-    paths = []
-    for names in (["2010", "2011"], ["snow_1", "snow_2"]):
-        for segment in ("20120330_04", "20120330_05"):
-            twtt = [KOENIG_3, KOENIG_2, SURFACE]
-            layers = formats.opr_layers(twtt, GPS_TIME + 60 * len(paths), [*names, "surface"])
-            paths.append(tmp_path / f"Data_{segment}_00{len(paths)}_layers.nc")
-            layers.to_netcdf(paths[-1])
-    assert open_segment(paths[:2])["layer"].values.tolist() == ["surface", "2011", "2010"]
+    joined = open_segment(segment_files(tmp_path, ["2010", "2011"]))
+    assert joined["layer"].values.tolist() == ["surface", "2011", "2010"]
     with refusal("segments: expected one, .* found 20120330_04 and 20120330_05$"):
-        open_segment(paths[2:])
+        open_segment(segment_files(tmp_path, ["snow_1", "snow_2"]))
 
 
 CROSSING = KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)
