@@ -80,19 +80,20 @@ def is_zarr(path):
     return any((path / name).is_file() for name in ZARR_FILES)
 
 
-def content_of(path):
-    """Bytes of a file, none of a folder, as of Zarr; what comes in place of data is refused."""
-    content = b"" if path.is_dir() else path.read_bytes()
-    refuse_others(path, content)
-    return content
+def content_of(path, most=-1):
+    """Bytes of a file, the first `most` if that is not -1; none of a folder, as of Zarr.
 
-
-def refuse_others(path, content):
-    """Refuse what comes in place of data, by how its bytes begin."""
+    What comes in place of data is refused, by how it begins.
+    """
+    if path.is_dir():
+        return b""
+    with path.open("rb") as file:
+        content = file.read(most)
     head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
     for start, what in OTHERS.items():
         if head.startswith(start):
             raise refusal(path, "content", "data", what)
+    return content
 
 
 def picture_format(content):

@@ -10,14 +10,7 @@ from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import opened
-from snowsim.io.files import (
-    content_of,
-    library_errors,
-    listed,
-    picture_format,
-    refusal,
-    refuse_others,
-)
+from snowsim.io.files import content_of, library_errors, listed, picture_format, refusal
 from snowsim.io.pairs import ANY_GREY, layers_of_labels, pair_labels, read_image
 
 ENDINGS = (".png", ".npy", ".nc")
@@ -192,8 +185,7 @@ def read_array(path, names=(), least_rows=1, stored=None):
         values, _ = read_image(path, ANY_GREY, content)
     elif path.suffix == ".npy":
         with library_errors(path, "NPY: expected a whole array of numbers"):
-            with path.open("rb") as file:
-                refuse_others(path, file.read(100))
+            content_of(path, 100)
             # Mapped: a header that declares more than the file has is refused before room is made.
             values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
     else:
