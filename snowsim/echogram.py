@@ -300,7 +300,7 @@ def check_echogram(echogram, where="echogram"):
     twtt = echogram["twtt"].values
     even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
     # A thousandth of a bin is below any use, and so is the last digit of single precision, which
-    # some files store, in microseconds up to twice as large. NaN is not even, either.
+    # some files store: rounded at its ends, too, and by units. NaN is not even, either.
     last_digit = 2 * np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
     uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]) + last_digit)
     if twtt.size < 2 or uneven.any():
