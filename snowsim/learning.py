@@ -76,7 +76,7 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
         begun_with = network_of_tracker(start)
-        shape = {"width": begun_with.width, "n_averaged": begun_with.n_averaged}
+        shape = {name: getattr(begun_with, name) for name in shape} | {"network": begun_with.kind}
     training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
     if start is not None:
         load_weights(training.network, begun_with.state_dict(), str(start))

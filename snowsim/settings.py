@@ -141,9 +141,10 @@ class TrackerSettings(Checked):
 
     network: str = setting(
         "multi_scale",
-        "multi_scale: network of the tracker paper, small recipe; published: also copies of "
-        "scenes, loss and updates as in its code",
-        choices=("multi_scale", "published"),
+        "multi_scale: network of the tracker paper, small recipe; pyramid: one whose fine stages "
+        "also see coarse ones; published: multi_scale with copies of scenes, loss and updates as "
+        "in its code",
+        choices=("multi_scale", "pyramid", "published"),
     )
     width: int = setting(4, "[channels] of the first stage; tracker paper: 64", low=1)
     n_averaged: int = setting(

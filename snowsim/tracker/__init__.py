@@ -27,7 +27,13 @@ MODULES = {
     "joining": ("join",),
     "layers": ("between_lines", "confidence", "features", "half_width_rows", "likely", "on_lines"),
     "linking": ("Candidates", "Linking", "Piece", "find_candidates", "link"),
-    "network": ("MultiScaleNetwork", "balanced_cross_entropy", "fused_logits", "track"),
+    "network": (
+        "MultiScaleNetwork",
+        "PyramidNetwork",
+        "balanced_cross_entropy",
+        "fused_logits",
+        "track",
+    ),
     "picks": (
         "deepest_row",
         "evidence_of",

@@ -28,6 +28,8 @@ class MultiScaleNetwork(nn.Module):
     first; maps are then enlarged along track by that factor as well.
     """
 
+    kind = "multi_scale"  # of `Settings.network`
+
     def __init__(self, width=64, n_averaged=1):
         super().__init__()
         self.width = width
@@ -51,18 +53,25 @@ class MultiScaleNetwork(nn.Module):
         if self.n_averaged > 1:
             # The last mean may be of fewer.
             x = functional.avg_pool2d(image, (1, self.n_averaged), ceil_mode=True)
-        logits = []
-        for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
+        maps = []
+        for number, stage in enumerate(self.stages):
             if number:
                 x = functional.max_pool2d(x, 2, stride=2, ceil_mode=True)
             for convolution in stage:
                 x = functional.relu(convolution(x))
+            maps.append(x)
+        logits = []
+        for number, (side, x) in enumerate(zip(self.sides, self.merged(maps), strict=True)):
             factors = (2**number, 2**number * self.n_averaged)
             logits.append(self.enlarged(side(x).float(), factors, image.shape[2:]))
         sides = torch.stack(logits)
         # The 1x1 convolution that fuses maps is a product here: maps are not stacked as channels.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
+
+    def merged(self, maps):
+        """Maps of the stages that side outputs see, finest first: each stage its own."""
+        return maps
 
     @staticmethod
     def to_input(images):
@@ -84,13 +93,40 @@ class MultiScaleNetwork(nn.Module):
                     parameter.fill_(1 / len(STAGES))
                 else:
                     n_inputs = parameter[0].numel()
-                    spread = np.sqrt(2 / n_inputs) if name.startswith("stages") else 0.01
+                    spread = 0.01 if name.startswith("sides") else np.sqrt(2 / n_inputs)
                     drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
                     parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
 
 
+class PyramidNetwork(MultiScaleNetwork):
+    """The same, but fine stages also see what coarse ones found, as in the paper they do not.
+
+    Each stage gives half as many channels as the first has, by a 1x1 convolution, and adds those of
+    the next coarser one, enlarged: the top-down path of Lin et al. (2017), CVPR, sections 3 and 6.
+    """
+
+    kind = "pyramid"
+
+    def __init__(self, width=64, n_averaged=1):
+        super().__init__(width, n_averaged)
+        n_merged = (width + 1) // 2
+        sizes = [side.in_channels for side in self.sides]
+        self.laterals = nn.ModuleList(nn.Conv2d(size, n_merged, 1) for size in sizes)
+        self.sides = nn.ModuleList(nn.Conv2d(n_merged, 1, 1) for _ in sizes)
+
+    def merged(self, maps):
+        """Maps that side outputs see, finest first: those of a stage and of all coarser ones."""
+        found = []
+        for lateral, x in zip(self.laterals[::-1], maps[::-1], strict=True):
+            x = lateral(x)
+            if found:
+                x = x + MultiScaleNetwork.enlarged(found[-1], (2, 2), x.shape[2:])
+            found.append(functional.relu(x))
+        return found[::-1]
+
+
 def enlarge(x, factors, *, align_corners=False):
-    """Maps (patch, 1, row, column), bilinearly enlarged by `factors` (row, column)."""
+    """Maps (patch, channel, row, column), bilinearly enlarged by `factors` (row, column)."""
     if factors == (1, 1):
         return x
     scale = tuple(float(factor) for factor in factors)

@@ -9,7 +9,7 @@ import torch
 from onnx import numpy_helper
 from torch import nn
 
-from snowsim.tracker.network import MultiScaleNetwork
+from snowsim.tracker.network import MultiScaleNetwork, PyramidNetwork
 from snowsim.training import load_weights
 
 INPUT = "image"
@@ -72,7 +72,7 @@ def to_onnx(network, offset=0.0, about=None):
 
 
 def network_of_onnx(content):
-    """The `MultiScaleNetwork` that `to_onnx` wrote (bytes); the offset stays in its bias.
+    """The network that `to_onnx` wrote (bytes), of its kind; the offset stays in its bias.
 
     ValueError if the bytes are no such network.
     """
@@ -90,8 +90,9 @@ def network_of_onnx(content):
         if node.op_type == "AveragePool":
             sizes = {each.name: each.ints for each in node.attribute}
             n_averaged = sizes["kernel_shape"][1]
-    expected = MultiScaleNetwork(1).state_dict().keys()
+    kind = PyramidNetwork if PREFIX + "laterals.0.weight" in held else MultiScaleNetwork
+    expected = kind(1).state_dict().keys()
     weights = {name: held[PREFIX + name] for name in expected if PREFIX + name in held}
     # For a file without weights it is 1, and the error below names the first one missing.
     width = len(weights.get("stages.0.0.bias", [0]))
-    return load_weights(MultiScaleNetwork(width, n_averaged), weights, "tracker").eval()
+    return load_weights(kind(width, n_averaged), weights, "tracker").eval()

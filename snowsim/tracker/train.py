@@ -7,7 +7,7 @@ import torch
 from snowsim.constants import OUTPUTS
 from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream
-from snowsim.tracker.network import MultiScaleNetwork, balanced_cross_entropy
+from snowsim.tracker.network import MultiScaleNetwork, PyramidNetwork, balanced_cross_entropy
 from snowsim.tracker.published import PublishedNetwork, published_optimiser, published_training
 from snowsim.training import (
     Resumable,
@@ -28,7 +28,8 @@ def network_of(settings):
     """A network by its `Settings`; its weights are not yet drawn."""
     if settings.network == "published":
         return PublishedNetwork(settings.width)
-    return MultiScaleNetwork(settings.width, settings.n_averaged)
+    kind = PyramidNetwork if settings.network == "pyramid" else MultiScaleNetwork
+    return kind(settings.width, settings.n_averaged)
 
 
 def trained_network(weights, settings, *, device="cpu"):
@@ -52,7 +53,7 @@ class Training(Resumable):
 
     Attributes
     ----------
-    network : MultiScaleNetwork or PublishedNetwork
+    network : MultiScaleNetwork, or one of its kinds
     step : int
         Gradients taken.
     """

@@ -10,7 +10,8 @@ from snowsim.progress import shown
 
 GRID_ROWS = 16
 GRID_LINES = 2 * GRID_ROWS
-# Farther than a pixel sees: 98 pixels, by the last stage's convolutions, and 16 of its up-sampling.
+# Farther than a pixel sees: 98 pixels, by the last stage's convolutions, and at most 23 of its
+# up-sampling.
 MARGIN_ROWS = 8 * GRID_ROWS
 MARGIN_LINES = 8 * GRID_LINES
 WINDOW_ROWS = 64 * GRID_ROWS

@@ -13,6 +13,7 @@ from snowsim.io import read_tracker
 from snowsim.patches import to_signed
 from snowsim.tracker import (
     MultiScaleNetwork,
+    PyramidNetwork,
     log_odds_by_lines,
     network_of_onnx,
     runner,
@@ -22,9 +23,10 @@ from snowsim.tracker import (
 SHIPPED = REFERENCE.parent / "universal.onnx"
 
 
-@pytest.fixture(scope="module", params=[1, 2])
+@pytest.fixture(scope="module", params=[(MultiScaleNetwork, 1), (PyramidNetwork, 2)])
 def network(request):
-    network = MultiScaleNetwork(8, n_averaged=request.param)
+    kind, n_averaged = request.param
+    network = kind(8, n_averaged=n_averaged)
     network.initialise(rng=np.random.default_rng(1))
     with torch.no_grad():
         # Larger than drawn: probabilities then differ from a half.
@@ -85,7 +87,7 @@ def test_weights_are_read_back_equal_ones_too(network):
     assert found.keys() == expected.keys()
     for name, values in expected.items():
         assert_array_equal(found[name], values, err_msg=name)
-    assert (read.width, read.n_averaged) == (8, network.n_averaged)
+    assert (read.kind, read.width, read.n_averaged) == (network.kind, 8, network.n_averaged)
 
 
 @pytest.mark.parametrize("content", [b"", b"no network", b"\x00" * 100])

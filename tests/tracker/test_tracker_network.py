@@ -4,7 +4,7 @@ import torch
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker import MultiScaleNetwork
+from snowsim.tracker import MultiScaleNetwork, PyramidNetwork
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])
@@ -46,22 +46,21 @@ def test_averaged_range_lines_count_by_their_mean_alone(rng, noise, size):
     assert_allclose(logits, network(means), atol=1e-6)
 
 
-def test_side_outputs_upsample_about_pixel_centres():
-    """A side map that is a ramp in its own pixels comes out as that ramp in pixels of the image."""
-    network = MultiScaleNetwork(1)
+@pytest.mark.parametrize(("kind", "n_seen"), [(MultiScaleNetwork, 1), (PyramidNetwork, 5)])
+def test_sides_upsample_about_pixel_centres_what_their_stage_or_coarser_ones_hold(kind, n_seen):
+    """A map that is a ramp in its own pixels comes out as that ramp in pixels of the image."""
+    network = kind(1)
     for parameter in network.parameters():
         parameter.zero_()
-    for stage, side in zip(network.stages, network.sides, strict=True):
-        for convolution in stage:
-            convolution.weight[0, 0, 1, 1] = 1
-        side.weight[0, 0] = 1
+        if parameter.ndim == 4:
+            parameter[0, 0, parameter.shape[2] // 2, parameter.shape[3] // 2] = 1
     logits = network(torch.arange(64.0).repeat(64, 1)[None, None])
-    # Pooling takes the largest of 2^k columns: side k + 1 holds x + (2^k - 1) / 2 between the first
-    # and last centres.
+    # Pooling takes the largest of 2^k columns: stage k + 1 holds x + (2^k - 1) / 2, but for half a
+    # coarse pixel, and half of each finer one, at either end.
+    ramps = np.arange(16, 48) + (2.0 ** np.arange(5)[:, None] - 1) / 2
     for k, side in enumerate(logits[:5, 0, 0]):
-        inside = slice(2 ** (k - 1) if k else 0, 64 - 2 ** (k - 1) if k else 64)
-        ramp = np.arange(64)[inside] + (2**k - 1) / 2
-        assert_allclose(side[:, inside], np.tile(ramp, (64, 1)), rtol=1e-6)
+        expected = ramps[k : k + n_seen].sum(axis=0)
+        assert_allclose(side[:, 16:48], np.tile(expected, (64, 1)), rtol=1e-6)
 
 
 def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(
