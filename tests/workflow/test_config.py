@@ -108,10 +108,6 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
             "tracker.training: optimiser: unknown key, expected some of network, width",
         ),
         ("reference: {climate: 3}", "reference: climate: expected names with values, got 3"),
-        (
-            "labels: {recipe: paper}",
-            "labels.recipe: paper needs statistics.estimator: paper, got deblended",
-        ),
         ('import: {description: "a\\nb"}', "import.description: .*expected: one line"),
         (
             "flight: {n_frames: 9999}",
