@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import psutil
 import torch
 from torch.utils.tensorboard import SummaryWriter
 
-from lib.progress import available_memory_mb, progress
+from lib.progress import progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
 
@@ -112,14 +113,8 @@ def enough_memory(what):
 
 
 def check_memory(n_bytes, what):
-    """ValueError of one line if the machine has less than `n_bytes` of free memory.
-
-    A machine that does not say how much is free passes.
-    """
-    available_mb = available_memory_mb()
-    if available_mb is None:
-        return
-    n_free = available_mb * 2**20
+    """ValueError of one line if the machine has less than `n_bytes` of free memory."""
+    n_free = psutil.virtual_memory().available
     if n_bytes > n_free:
         needed = f"it needs at least {n_bytes / 1e9:.3g} GB, {n_free / 1e9:.3g} GB are free"
         msg = f"too little memory for {what}: {needed}"

@@ -9,6 +9,7 @@ import traceback
 from contextlib import contextmanager
 from pathlib import Path
 
+import psutil
 from tqdm import tqdm
 
 # The package beside the workflow is the one that runs. It need not be installed: a conda
@@ -16,7 +17,7 @@ from tqdm import tqdm
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from lib.progress import available_memory_mb, progress  # noqa: E402, F401
+from lib.progress import progress  # noqa: E402, F401
 
 logger = logging.getLogger("snowsim")
 
@@ -63,7 +64,7 @@ def job(snakemake):
 
 def check_memory(mem_mb):
     """ValueError if less memory is available than the rule asks for."""
-    available = available_memory_mb()
-    if available is not None and available < mem_mb:
+    available = psutil.virtual_memory().available / 2**20
+    if available < mem_mb:
         msg = f"memory: expected at least {mem_mb} MB available, got {available:.0f} MB"
         raise ValueError(msg)

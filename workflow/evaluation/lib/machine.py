@@ -4,8 +4,9 @@ import os
 import platform
 import time
 from importlib import metadata
+from pathlib import Path
 
-from lib.progress import kernel_field
+import psutil
 
 PACKAGES = (
     "snowsim",
@@ -23,16 +24,22 @@ PACKAGES = (
 
 def describe_machine():
     """Processor, cores in reach, memory, system and Python as texts by name."""
-    model = kernel_field("/proc/cpuinfo", "model name")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    total = kernel_field("/proc/meminfo", "MemTotal")
     return {
-        "processor": model or platform.processor() or platform.machine(),
+        "processor": processor_model() or platform.processor() or platform.machine(),
         "cores in reach": str(cores),
-        "memory": f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown",
+        "memory": f"{psutil.virtual_memory().total / 2**30:.0f} GiB",
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
         "Python": platform.python_version(),
     }
+
+
+def processor_model():
+    """Model of the processor as the kernel of Linux names it; empty where it does not."""
+    path = Path("/proc/cpuinfo")
+    lines = path.read_text().splitlines() if path.is_file() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else ""
 
 
 def describe_versions():
