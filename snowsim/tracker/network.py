@@ -110,9 +110,9 @@ class PyramidNetwork(MultiScaleNetwork):
     def __init__(self, width=64, n_averaged=1):
         super().__init__(width, n_averaged)
         n_merged = (width + 1) // 2
-        sizes = [side.in_channels for side in self.sides]
-        self.laterals = nn.ModuleList(nn.Conv2d(size, n_merged, 1) for size in sizes)
-        self.sides = nn.ModuleList(nn.Conv2d(n_merged, 1, 1) for _ in sizes)
+        laterals = (nn.Conv2d(side.in_channels, n_merged, 1) for side in self.sides)
+        self.laterals = nn.ModuleList(laterals)
+        self.sides = nn.ModuleList(nn.Conv2d(n_merged, 1, 1) for _ in STAGES)
 
     def merged(self, maps):
         """Maps that side outputs see, finest first: those of a stage and of all coarser ones."""

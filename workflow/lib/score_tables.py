@@ -24,12 +24,8 @@ def similarity_table(images):
     `images` has columns `scene, method, rmse, psnr, ssim`; the table has columns `metric,
     statistic` and one for each method.
     """
-    by_method = images.groupby("method")
-    rows = []
-    for metric, statistic in product(("ssim", "psnr", "rmse"), ("min", "mean", "max")):
-        values = {method: getattr(group[metric], statistic)() for method, group in by_method}
-        rows.append({"metric": metric, "statistic": statistic, **values})
-    return pd.DataFrame(rows)
+    of_methods = images.groupby("method")[["ssim", "psnr", "rmse"]].agg(["min", "mean", "max"])
+    return of_methods.T.rename_axis(["metric", "statistic"]).rename_axis(columns=None).reset_index()
 
 
 def ssim_against_depth(rows, window_rows):
