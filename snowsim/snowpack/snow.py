@@ -231,7 +231,7 @@ class _Dated:
 def _dated(water_m, picks, year, annual):
     """`_Dated` from the mass above picks (layer, range_line) [m w.e.]."""
     is_named = hasattr(year, "items")
-    given = _given(picks.names, year if is_named else {picks.names[1]: year})
+    given = _given(picks, year if is_named else {picks.names[1]: year})
     known = _in_order(len(picks.names), given) if annual else given
     first = min(known)
     older = {layer: known[first] - value for layer, value in known.items()}
@@ -265,13 +265,14 @@ def _dated(water_m, picks, year, annual):
     )
 
 
-def _given(names, year):
+def _given(picks, year):
     """Years by the number of the layer that is named so, downwards."""
-    given = {layer: year[name] for layer, name in enumerate(names) if name in year}
-    if not len(given) == len(year) > 0 or (np.diff(list(given.values())) >= 0).any():
+    given = {layer: year[name] for layer, name in enumerate(picks.names) if name in year}
+    flown = picks.flown.year
+    if not len(given) == len(year) > 0 or (np.diff([flown + 1, *given.values()]) >= 0).any():
         msg = (
-            f"year: expected names of layers with picks, {', '.join(names[1:])}, and years "
-            f"that fall from each to the next, found {year}"
+            f"year: expected names of layers with picks, {', '.join(picks.names[1:])}, and years "
+            f"that fall from each to the next, none after {flown}, found {year}"
         )
         raise ValueError(msg)
     return given
@@ -424,8 +425,8 @@ def _by_year(layers, picks, column, dated, density_error):
     upper, _ = top = (dated.above[base], line)
     n_years = dated.n_years[base].astype(int)
     thickness_m = depth_m[base] - depth_m[top]
-    between_s = picks.below_s[base] - picks.below_s[top]
-    of_picks = np.hypot(picks.error_s[base], picks.error_s[top]) / between_s
+    of_picks = np.hypot(picks.error_s[base], picks.error_s[top])
+    of_picks /= picks.below_s[base] - picks.below_s[top]
     span_m = dated.span_m[base]
     density = WATER_DENSITY_KG_M3 * span_m / thickness_m
     # Of years that have one mean, each scatters about it, and so does the density of each.
@@ -459,15 +460,15 @@ def _by_year(layers, picks, column, dated, density_error):
     found = _dataset(layers, rows)
     times_s = np.linspace(0, min(1.1 * np.nanmax(picks.below_s), column.twtt_s[-1]), N_TIMES)
     found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
-    first = (dated.above == 0) & (dated.age[:, None] == 0)
-    open_m = np.where(first, dated.span_m, np.nan)
-    found["open_m_we"] = ("slow_time", np.fmin.reduce(open_m))
-    uppermost = (dated.above == 0).sum(axis=1).argmax()
+    from_surface = dated.above == 0
+    first = from_surface & (dated.age[:, None] == 0)
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(np.where(first, dated.span_m, np.nan)))
+    uppermost = from_surface.sum(axis=1).argmax()
     _, *no_horizon = picks.names[(dated.above < 0).all(axis=1) & np.isfinite(depth_m).any(axis=1)]
     return found.assign_coords(below_s=times_s).assign_attrs(
-        uppermost=f"{picks.names[uppermost]}={dated.newest - int(dated.age[uppermost])}",
+        uppermost=f"{picks.names[uppermost]}={dated.newest - dated.age[uppermost]}",
         no_horizon=", ".join(no_horizon),
-        n_below_profile=int((picks.below_s > column.twtt_s[-1]).sum()),
+        n_below_profile=(picks.below_s > column.twtt_s[-1]).sum(),
     )
 
 

@@ -340,6 +340,7 @@ AS_IT_IS = xr.Dataset.copy
         (lambda x: x.isel(layer=[0]), {}, "and others below it .*, found surface$"),
         (AS_IT_IS, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
         (AS_IT_IS, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
+        (AS_IT_IS, {"year": 2021}, "none after 2012, found .* 2021"),
         (
             AS_IT_IS,
             {"year": {"snow_3": 2008, "snow_4": 1997}},
