@@ -3,9 +3,9 @@
 ``PYTHONPATH=workflow python benchmarks/bench_pretrained.py [NETWORK.safetensors...]`` scores
 networks that the rule `train_pretrained` made, by default results/pretrained/network.safetensors,
 on eight flights whose seeds nothing else uses (12 scenes each) and on 36 scenes of clean firn.
-Prints width and gradients, F of picks and false pieces of each true layer at the threshold that the
-rule would choose on these flights, the same on clean firn, and range lines that one thread tracks a
-second of processor time. The choice of width and gradients rests on it, never on flights of
+Prints network, width and gradients, F of picks and false pieces of each true layer at the threshold
+that the rule would choose on these flights, the same on clean firn, and range lines that one thread
+tracks a second of processor time. The choice of these three rests on it, never on flights of
 `transfer`.
 """
 
@@ -111,8 +111,9 @@ def main():
     rows = []
     for path in paths:
         tracker = read_tracker(path)
-        kept = {name: getattr(tracker.settings, name) for name in ("width", "n_steps")}
-        rows.append({"network": path} | kept | scored(tracker.network, flights, firn))
+        names = ("network", "width", "n_steps")
+        kept = {name: getattr(tracker.settings, name) for name in names}
+        rows.append({"file": path} | kept | scored(tracker.network, flights, firn))
     print(pd.DataFrame(rows).to_string(index=False, float_format="{:.3f}".format))  # noqa: T201
 
 

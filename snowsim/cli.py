@@ -324,9 +324,9 @@ def echo_scores(table):
 @over_option
 @seed_option
 def train(sources, model, n_steps, force, **settings):
-    """Train the network of the tracker that comes with snowsim on the scenes of SOURCES: scene
-    sets, or folders of image pairs. Every tenth scene is held out, and probabilities are calibrated
-    on it: annotate those fully. Needs the extra snowsim[learn].
+    """Train a tracker on the scenes of SOURCES: scene sets, or folders of image pairs. Every tenth
+    scene is held out, and probabilities are calibrated on it: annotate those fully. Needs the extra
+    snowsim[learn].
 
     \b
     Examples:
@@ -600,7 +600,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
       depth_m            of that horizon, the upper end of the year's snow
       thickness_m        of the year's snow
       accumulation_m_we  metres of water a year
-      low, high          limits that hold the year's own accumulation in nine of ten
+      low, high          limits that hold it in nine of ten years that are counted rightly
       n_years            between the picks that bound it; values are means over them
       confidence         probability of n_years
       age_error_years    expected error of year, from the surface or a named layer down

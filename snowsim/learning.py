@@ -24,7 +24,7 @@ from snowsim.tracker import (
 )
 from snowsim.training import check_device, load_weights
 
-# Shape and range bin [s] of the tracker that comes with the package.
+# Shape of a tracker that starts anew, and range bin [s] of the package's.
 WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10

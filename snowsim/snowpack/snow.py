@@ -93,8 +93,8 @@ def accumulation(
         Variables on (year, slow_time) are NaN where picks do not bound a year:
 
         - `depth_m` of the year's horizon and `thickness_m` of its snow;
-        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold a year's own
-          accumulation in nine of ten; `error_picks` and `error_density` are parts of them;
+        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold it in nine
+          of ten years that are counted rightly; `error_picks` and `error_density` are parts of it;
         - `n_years`, the number of years between the picks that bound it: thickness and accumulation
           are means over these years; and `confidence`, the probability of this number;
         - `age_error_years` of the horizon, 0 at layers that are named;
@@ -132,7 +132,7 @@ def accumulation(
     The errors of both picks, each half of ``twtt_high - twtt_low``, of density, and of a year about
     the mean of m years, ``s (1 - 1 / m)^(1/2)``, add in squares; a relative error e of density
     counts as ``e / n`` with the refractive index n. Of density, the whole profile is off by
-    `density_error`, and the snow of each year by 30 kg m-3, as in cores. Picks lie 1.2 to 1.6 range
+    `density_error`, and the snow of each year by 30 kg m-3, as in cores. Picks lie 1.2 to 1.7 range
     bins below their interface. This cancels in a year's mass, but not in `open_m_we`.
     """
     picks = _picks(layers, least_confidence)

@@ -1,6 +1,6 @@
-"""The multi-scale network, its loss, and tracking with it.
+"""The networks, their loss, and tracking with them.
 
-The network is an encoder shaped like VGG16. Each stage has a side output; the fused output is
+Each is an encoder shaped like VGG16. Each stage has a side output; the fused output is
 their weighted sum.
 """
 
@@ -80,11 +80,11 @@ class MultiScaleNetwork(nn.Module):
 
     @staticmethod
     def enlarged(logit, factors, size):
-        """A side map enlarged by `factors` about pixel centres, then cut to the image's `size`."""
+        """Maps enlarged by `factors` about pixel centres, then cut to the image's `size`."""
         return enlarge(logit, factors)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw weights: stages as He et al. (2015), sides with s.d. 0.01; fuse starts as a mean."""
+        """Draw weights: as He et al. (2015), sides with s.d. 0.01; fuse starts as a mean."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):

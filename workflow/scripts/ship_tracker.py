@@ -30,7 +30,7 @@ with job(snakemake):
         f"{EVERY} without and the flight's own, as its picks give them, rendered by PHY; "
         f"{n_firn} of clean firn by snowsim.simulate; "
         f"{settings.n_steps} gradients of {settings.batch_size} crops, "
-        f"width {settings.width}"
+        f"{settings.network}, width {settings.width}"
     )
     made = making(
         trained.network,
