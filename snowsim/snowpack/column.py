@@ -14,22 +14,30 @@ from snowsim.snowpack.firn import (
 from snowsim.snowpack.profile import interfaces
 
 DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
-GREENLAND = {"Latitude": (59, 84), "Longitude": (-74, -10)}
+GREENLAND = ((59, 84), (-74, -10))  # latitude and longitude [deg]
 DEEPEST_M = 500.0  # depth at which snow of one density ends
 DEEPEST_WATER_M = 200.0  # mass above the depth at which Herron & Langway's firn ends
 
 
 def temperature_k_of(layers):
     """Mean annual temperature [K] along a track in Greenland, at the height of its surface."""
-    for name, (low, high) in GREENLAND.items():
-        if name not in layers or not low < layers[name].mean() < high:
-            msg = (
-                "density: unknown outside Greenland, or without positions: give temperature_k, "
-                "a density or a profile"
-            )
-            raise ValueError(msg)
-    ground_m = layers["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
-    return float(temperature_fausto09(ground_m, layers["Latitude"], layers["Longitude"]).mean())
+    latitude, east, height_m = (
+        layers.get(name, np.nan) for name in ("Latitude", "Longitude", "Elevation")
+    )
+    longitude = (east + 180) % 360 - 180
+    ground_m = height_m - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
+    temperature_k = float(temperature_fausto09(ground_m, latitude, longitude).mean())
+    inside = [
+        low < np.mean(degrees) < high
+        for degrees, (low, high) in zip((latitude, longitude), GREENLAND, strict=True)
+    ]
+    if not (all(inside) and np.isfinite(temperature_k)):
+        msg = (
+            "density: unknown outside Greenland, or without positions: give temperature_k, "
+            "a density or a profile"
+        )
+        raise ValueError(msg)
+    return temperature_k
 
 
 @dataclass(frozen=True, eq=False)

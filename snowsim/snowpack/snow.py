@@ -8,7 +8,7 @@ import pandas as pd
 
 from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers
-from snowsim.limits import check_values
+from snowsim.limits import check_count, check_values
 from snowsim.snowpack.column import column_of, temperature_k_of
 
 SURFACE = "surface"
@@ -231,7 +231,7 @@ class _Dated:
 def _dated(water_m, picks, year, annual):
     """`_Dated` from the mass above picks (layer, range_line) [m w.e.]."""
     is_named = hasattr(year, "items")
-    given = _given(picks, year if is_named else {picks.names[1]: year})
+    given = _given(picks, year if is_named else {str(picks.names[1]): year})
     known = _in_order(len(picks.names), given) if annual else given
     first = min(known)
     older = {layer: known[first] - value for layer, value in known.items()}
@@ -267,12 +267,15 @@ def _dated(water_m, picks, year, annual):
 
 def _given(picks, year):
     """Years by the number of the layer that is named so, downwards."""
+    for each in year.values():
+        check_count("year", each, 0)
     given = {layer: year[name] for layer, name in enumerate(picks.names) if name in year}
-    flown = picks.flown.year
-    if not len(given) == len(year) > 0 or (np.diff([flown + 1, *given.values()]) >= 0).any():
+    flown = picks.flown.year  # of the surface; the last autumn is of the year before
+    falling = np.diff([flown + (0 in given), *given.values()]) < 0
+    if not len(given) == len(year) > 0 or not falling.all():
         msg = (
             f"year: expected names of layers with picks, {', '.join(picks.names[1:])}, and years "
-            f"that fall from each to the next, none after {flown}, found {year}"
+            f"that fall from each to the next, none after {flown - 1}, found {year}"
         )
         raise ValueError(msg)
     return given

@@ -38,7 +38,7 @@ def pieces(rows):
     `line` is the list of longitude and latitude of its range lines, on past 180 degrees; times are
     left out, and range lines without a position. ValueError if none has one.
     """
-    if "lat" not in rows or rows["lat"].isna().all():
+    if not {"lat", "lon"} <= set(rows) or rows["lat"].isna().all():
         msg = "a map needs Latitude and Longitude of range lines, the layers have none"
         raise ValueError(msg)
     rows = rows.dropna(subset=["lat", "lon"])
@@ -63,7 +63,7 @@ def by_year(accumulated):
     """
     given = accumulated["accumulation_m_we"].notnull()
     n_km = np.ones(given.sizes["year"])
-    if "Latitude" in accumulated:
+    if {"Latitude", "Longitude"} <= set(accumulated):
         # Over a kilometre of track accumulation is taken as one value.
         kilometre = np.floor(along_track_m(accumulated) / KILOMETRE)
         n_km = [max(pd.Series(kilometre[lines]).nunique(), 1) for lines in given.values]

@@ -65,7 +65,6 @@ def test_every_year_has_the_mass_between_its_horizons(year_m):
     assert_allclose(found["open_m_we"], year_m[0], rtol=1e-9)
     # A picture of the layers goes as far.
     assert_allclose(found["depth_at"][-1], 1.1 * 1000 * water_m.max() / DENSITY, rtol=1e-9)
-    assert (found["n_years"] == 1).all()
     # Of errors of two picks and of density over the refractive index, for nine of ten: 5 % of the
     # profile, and 30 kg m-3 of each year's snow.
     picks = np.sqrt(2) * ERROR_S / below_s(year_m[1:])
@@ -78,9 +77,7 @@ def test_a_horizon_that_is_missed_makes_one_span_of_two_years(year_m):
     times = below_s(water_of(year_m))
     times[4, 100:] = np.nan
     found = accumulation(layers_of(times), DENSITY, year=2011)
-    assert_array_equal(found["year"], 2011 - np.arange(10))
     assert_array_equal(found["n_years"][:, 250], [1, 1, 1, 2, 2, 1, 1, 1, 1, 1])
-    assert (found["n_years"][:, 50] == 1).all()
     span = found.isel(year=[3, 4], slow_time=slice(200, 300))
     mean_m = year_m[4:6, 200:300].mean(axis=0)
     assert_allclose(span["accumulation_m_we"], [mean_m, mean_m], rtol=1e-9)
@@ -89,7 +86,6 @@ def test_a_horizon_that_is_missed_makes_one_span_of_two_years(year_m):
     density = np.hypot(0.05, 30 / DENSITY / np.sqrt(2)) / (1 + 0.845e-3 * DENSITY)
     half = np.hypot(picks, 1.645 * np.hypot(density, 0.3 / np.sqrt(2)))
     assert_allclose(span["high"] / mean_m - 1, [half, half], rtol=1e-6)
-    assert_allclose(1 - span["low"] / mean_m, [half, half], rtol=1e-6)
     depth_m = 1000 * water_of(year_m) / DENSITY
     middle_m = (depth_m[3] + depth_m[5]) / 2
     assert_allclose(span["depth_m"][1], middle_m[200:300], rtol=1e-9)
@@ -195,7 +191,6 @@ def test_where_every_layer_is_one_year_thickness_alone_is_suspicious(year_m):
     year_m[7] = 0.09
     layers = layers_of(below_s(water_of(year_m))).drop_vars("confidence")
     found = accumulation(layers, DENSITY, year=2011)
-    assert (found["n_years"] == 1).all()
     assert_array_equal(found["year"], 2011 - np.arange(10))
     assert_array_equal(found["flag"][:, 0], [0, 0, 0, 1, 0, 0, 1, 0, 0, 0])
     assert_array_equal(found["age_error_years"][:, 0], [0, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1])
@@ -259,8 +254,11 @@ def test_without_a_density_firn_is_that_of_the_place_in_greenland(year_m):
     )
     given = accumulation(layers, 340, year=2011, temperature_k=found.attrs["temperature_k"])
     assert_allclose(found["accumulation_m_we"], given["accumulation_m_we"])
-    with refusal("density: unknown outside Greenland"):
-        accumulation(layers.assign(Longitude=layers["Longitude"] + 45), year=2011)
+    east = layers.assign(Longitude=layers["Longitude"] + 360)
+    assert accumulation(east, year=2011).attrs == found.attrs
+    for elsewhere in (east.assign(Longitude=0 * east["Longitude"]), layers.drop_vars("Elevation")):
+        with refusal("density: unknown outside Greenland"):
+            accumulation(elsewhere, year=2011)
 
 
 # Firn temperatures of boreholes: Clausen et al. (1988), GRIP: Johnsen et al. (1995) [deg C].
@@ -340,7 +338,8 @@ AS_IT_IS = xr.Dataset.copy
         (lambda x: x.isel(layer=[0]), {}, "and others below it .*, found surface$"),
         (AS_IT_IS, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
         (AS_IT_IS, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
-        (AS_IT_IS, {"year": 2021}, "none after 2012, found .* 2021"),
+        (AS_IT_IS, {"year": 2012}, "none after 2011, found .'snow_1': 2012"),
+        (AS_IT_IS, {"year": 1999.7}, "year must be a whole number of at least 0, got 1999.7"),
         (
             AS_IT_IS,
             {"year": {"snow_3": 2008, "snow_4": 1997}},
