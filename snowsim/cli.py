@@ -333,7 +333,7 @@ def train(sources, model, n_steps, force, **settings):
       snowsim train my_pairs/ -o mine.onnx
       snowsim train results/phy/labels/*.nc -o mine.onnx --from universal --steps 1000
     """  # noqa: D205, D301
-    check_outputs([model], force, ".onnx")
+    check_outputs([model, model.with_suffix(".json")], force, ".onnx")
     try:
         from snowsim.learning import train_tracker
     except ModuleNotFoundError as error:
@@ -341,7 +341,8 @@ def train(sources, model, n_steps, force, **settings):
         raise click.ClickException(msg) from error
 
     sets = [scene_set(source) for source in sources]
-    card = train_tracker(model, sets, n_steps=n_steps, **settings)
+    with echo_warnings():
+        card = train_tracker(model, sets, n_steps=n_steps, **settings)
     held = card["held_out"]
     told = "scenes held out: {n_scenes}, too few for a score"
     if "ods" in held:
@@ -638,7 +639,10 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     write_table(path_by_year, by_year(found))
     echo_accumulation(path, len(rows), found, settings["temperature_k"])
     if settings["annual"] is None and "confidence" not in layers:
-        click.echo("every layer is taken for a year, as a person's; --count counts years")
+        click.echo(
+            "every layer is taken for a year, as a person's; --count counts years (of track's "
+            "picks, NAME_layers.nc has the confidence)"
+        )
     if png:
         write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
         click.echo(f"{picture}: layers and accumulation")

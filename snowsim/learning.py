@@ -1,12 +1,13 @@
 """Training of a tracker on a user's own scenes, for the command `snowsim train`; needs torch."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 from torch.utils.data import ConcatDataset, Subset
 
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
-from snowsim.limits import check_count
+from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import of_images, score, stack_counts
 from snowsim.progress import shown
 from snowsim.tracker import (
@@ -22,6 +23,7 @@ from snowsim.tracker import (
     train_steps,
     trained_network,
 )
+from snowsim.tracker.card import NUMBERS
 from snowsim.training import check_device, load_weights
 
 # Shape of a tracker that starts anew, and range bin [s] of the package's.
@@ -73,9 +75,12 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     scenes = ConcatDataset(sets)
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
+    for name, value in (("bin_s", bin_s), ("line_spacing_m", line_spacing_m)):
+        check_values(name, value, *NUMBERS[name])
+    known = {}
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
-        begun_with = network_of_tracker(start)
+        begun_with, known = network_of_tracker(start)
         shape = {name: getattr(begun_with, name) for name in shape} | {"network": begun_with.kind}
     training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
     if start is not None:
@@ -97,6 +102,8 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
         trained_on=f"{len(taken)} scenes of the user's, {n_steps} gradients of 4 crops{begun}",
         bin_s=bin_s,
         line_spacing_m=line_spacing_m,
+        ranges=known.get("ranges"),
+        confidence=known.get("confidence"),
         limits=f"calibrated on {len(held)} scenes of the same set",
     )
     card["held_out"] = held_out_score([calibration.probability(each) for each in logits], held)
@@ -132,16 +139,18 @@ def _bin_size_s(scenes, bin_s):
                 f"scenes before it, found {own_s:.4g} s"
             )
             raise ValueError(msg)
+    if bin_s is None:
+        warnings.warn(f"scenes tell no range bins: of {BIN_S:.4g} s assumed", stacklevel=3)
     return bin_s or BIN_S
 
 
 def network_of_tracker(name):
-    """Network of a tracker, by the name of one that comes with the package or by its file."""
+    """Network and card of a tracker, by the name of one of the package's or by its file."""
     shipped = shipped_trackers()
     path = Path(shipped.get(name, name))
     if not path.is_file():
         known = ", ".join(shipped)
         msg = f"{name}: expected a tracker that comes with the package ({known}) or an .onnx file"
         raise ValueError(msg)
-    content, _ = read_tracker(path)
-    return network_of_onnx(content)
+    content, card = read_tracker(path)
+    return network_of_onnx(content), card

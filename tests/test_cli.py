@@ -240,9 +240,10 @@ def test_a_tracker_is_trained_on_scenes_of_several_files_from_the_shipped_one(pl
     content, card = read_tracker("mine.onnx")
     assert "4 scenes" in card["trained_on"]  # of 5 the first is held out
     assert "starting from universal" in card["trained_on"]
+    Path("mine.onnx").unlink()
     with pytest.raises(SystemExit):
         main(["train", "scenes.nc", "-o", "mine.onnx"])
-    assert "--force writes over it" in capsys.readouterr().err
+    assert "mine.json: the file is there, --force writes over it" in capsys.readouterr().err
 
 
 def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, capsys):

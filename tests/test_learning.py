@@ -29,8 +29,11 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
 def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     path = tmp_path / "mine.onnx"
     train(path, toy_scenes(3), start="universal")
-    shipped = network_of_tracker("universal").state_dict()
-    found = network_of_tracker(path).state_dict()
+    network, card = network_of_tracker("universal")
+    shipped = network.state_dict()
+    network, own = network_of_tracker(path)
+    assert (own["ranges"], own["confidence"]) == (card["ranges"], card["confidence"])
+    found = network.state_dict()
     for name, values in shipped.items():
         if name == "fuse.bias":  # takes in the offset of the calibration
             continue
@@ -58,6 +61,8 @@ def test_the_name_of_what_is_no_tracker_is_refused(tmp_path):
 def test_one_scene_leaves_none_to_calibrate_on(tmp_path):
     with refusal("one is to calibrate on, must .* at least 2, got 1"):
         train(tmp_path / "mine.onnx", toy_scenes(1))
+    with refusal("line_spacing_m must be finite"):
+        train(tmp_path / "mine.onnx", toy_scenes(2), line_spacing_m=float("inf"))
 
 
 def test_range_bins_are_those_in_the_scenes_notes_and_all_the_same(tmp_path):

@@ -75,7 +75,9 @@ class Card:
         return float(np.log(self.threshold / (1 - self.threshold)))
 
     def outside(self, values):
-        """Lines that tell which values, by name, lie outside the card's ranges."""
+        """Lines that tell which values, by name, lie outside the card's ranges, if it has any."""
+        if not self.ranges:
+            return ["the tracker's card has no ranges"]
         return [
             f"{name} {values[name]:.4g} lies outside the tracker's {low:g} to {high:g}"
             for name, (low, high) in self.ranges.items()
