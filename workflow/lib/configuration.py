@@ -3,6 +3,7 @@
 The package defines its settings by dataclasses; all other settings stand in config.schema.yaml.
 """
 
+import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -15,6 +16,14 @@ from snowsim.settings import CGAN, PHY, TRACKER
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # Recipes of each stage by name; the first is the default.
 RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
+
+DRAFT = jsonschema.Draft202012Validator
+# For JSON Schema 4.0 is an integer, and NaN within any limits.
+TYPES = {
+    "integer": lambda _, value: type(value) is int,
+    "number": lambda _, value: type(value) in (int, float) and math.isfinite(value),
+}
+STRICT = jsonschema.validators.extend(DRAFT, type_checker=DRAFT.TYPE_CHECKER.redefine_many(TYPES))
 
 
 def filled(config):
@@ -72,7 +81,7 @@ def read_schema():
 
 def check(config):
     """ValueError unless the schema accepts a configuration."""
-    validator = jsonschema.Draft202012Validator(read_schema())
+    validator = STRICT(read_schema())
     error = jsonschema.exceptions.best_match(validator.iter_errors(config))
     if error is not None:
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
