@@ -302,7 +302,8 @@ def check_echogram(echogram, where="echogram"):
     # A thousandth of a bin is below any use, and so is the last digit of single precision, which
     # some files store: rounded at its ends, too, and by units. NaN is not even, either.
     last_digit = 2 * np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
-    uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]) + last_digit)
+    step = np.diff(even[:2])
+    uneven = ~((step > 0) & (np.abs(twtt - even) < 1e-3 * step + last_digit))
     if twtt.size < 2 or uneven.any():
         msg = f"{where}: twtt must increase in even steps, {uneven.sum()} of {twtt.size} do not"
         raise ValueError(msg)

@@ -99,7 +99,7 @@ class Tracker:
 
         ValueError unless both are whole, belong together and are of this version.
         """
-        if not Path(path).exists():
+        if not Path(path).is_file():
             known = ", ".join(list_pretrained()) or "none"
             wanted = f"an ONNX file (or for --model and Tracker.from_pretrained one of: {known})"
             raise refusal(path, "tracker", wanted, "nothing")

@@ -98,7 +98,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     Parameters
     ----------
     data : array_like, (range_bin, range_line)
-        Linear power, NaN where nothing was recorded.
+        Linear power, NaN or masked where nothing was recorded.
     twtt : array_like, (range_bin,)
         Two-way travel time of the range bins, evenly spaced [s].
     slow_time : array_like of datetime64, (range_line,), optional
@@ -132,7 +132,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     with library_errors(where, "data: expected an array (range_bin, range_line)"):
         if along_track.keys() - UNITS.keys():
             raise refusal(where, "names", listed(UNITS), listed(along_track))
-        content = {"Data": np.asarray(data), "twtt": twtt} | along_track
+        content = {"Data": np.asanyarray(data), "twtt": twtt} | along_track
         if slow_time is not None:
             content["slow_time"] = np.asarray(slow_time)
         return echogram_dataset(where, content, attrs or {})

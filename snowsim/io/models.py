@@ -114,7 +114,7 @@ def read_tracker(path):
     """
     path = Path(path)
     path_to_card = path.with_suffix(".json")
-    with library_errors(path_to_card, "card: expected JSON"):
+    with library_errors(path_to_card, f"card of {path.name}: expected JSON"):
         card = json.loads(path_to_card.read_text(encoding="utf-8"))
         found = card.get("format") if isinstance(card, dict) else card
         if found != TRACKER_FORMAT:

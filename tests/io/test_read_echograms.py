@@ -200,6 +200,7 @@ BAD = [
         lambda c: {"Time": c["Time"] + formats.BIN_S * (np.arange(formats.N_BINS) > 60)},
         "twtt must increase in even steps, 118 of 120 do not",
     ),
+    (lambda c: {"Time": -c["Time"]}, "twtt must increase in even steps, 120 of 120 do not"),
     (lambda c: {"GPS_time": c["GPS_time"][::-1].copy()}, "slow_time must increase"),
     (lambda c: {"Latitude": c["Latitude"] + 100}, "Latitude: expected degrees"),
 ]
@@ -261,6 +262,7 @@ def test_arrays_in_memory_need_travel_times_alone_and_names_are_checked(content)
     echogram = echogram_of(power, twtt=twtt, Surface=content["Surface"])
     assert_array_equal(echogram["Data"], power)
     assert echogram.equals(echogram_of(power.T, twtt=twtt, Surface=content["Surface"]))
+    assert echogram_of(np.ma.masked_less(power, 1), twtt=twtt)["Data"].min() >= 1
     assert echogram[["Latitude", "Longitude", "Elevation"]].to_array().isnull().all()
     for message, arguments in {
         "names: expected .*Latitude.*, found latitude, lon": {"latitude": 1, "lon": 2},

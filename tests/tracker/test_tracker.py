@@ -352,9 +352,9 @@ def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, 
 @pytest.mark.parametrize(
     ("card", "message"),
     [
-        ("{", "card: expected JSON"),
+        ("{", "card of .*: expected JSON"),
         ("[]", r"expected one of format 'snowsim tracker 1', found \[\]"),
-        (None, "card: expected JSON, found No such file"),
+        (None, "card of ridges.onnx: expected JSON, found No such file"),
     ],
 )
 def test_a_card_that_is_no_json_object_or_missing_is_refused(tmp_path, card, message):
