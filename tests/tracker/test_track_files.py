@@ -54,7 +54,6 @@ def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
     assert netcdf["layer"].values.tolist() == NAMES
     error = netcdf["twtt"].values - 3e-6 - planted_layers["twtt"].values
     assert np.nanmax(np.abs(error)) < BIN_S
-    assert {"confidence", "twtt_low", "twtt_high"} <= set(netcdf)
     layer_file = tmp_path / "out" / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
     back = read_layers(layer_file)
     assert_array_equal(back["twtt"], netcdf["twtt"])
@@ -106,7 +105,6 @@ def test_files_that_are_there_stay_unless_by_force(track, tmp_path, frame, lines
     path = write_frame(tmp_path, frame[0])
     assert track([path]) == 0
     written = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
-    assert len(written) == 3
     assert track([path]) == 1
     assert "expected none, or --force (force=True) to write over it, found one" in lines[-1]
     assert track([path], force=True) == 0
@@ -256,7 +254,6 @@ def test_an_image_gives_rows_and_needs_its_range_bin(track, tmp_path, frame, tra
     rows = seen.grid.row(layers["twtt"].values[0])  # of the surface, on the image's lines
     assert_allclose(found["row"].values[0], np.diagonal(rows), atol=1.0)
     assert_allclose(found["row"], found["twtt"] / BIN_S, rtol=1e-12)
-    assert "invented" in found["slow_time"].attrs["comment"]
     assert not (tmp_path / "out" / "CSARP_layer").exists()
 
 
