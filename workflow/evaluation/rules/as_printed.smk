@@ -5,7 +5,8 @@
 PRINTED_TABLES = [f"results/as_printed/tables/table{n}.csv" for n in (2, 3)]
 PRINTED_IS_MADE = all(map(os.path.isfile, PRINTED_TABLES))
 PRINTED = deepcopy(GIVEN)
-for size in ("n_range_bins", "n_range_lines", "depth"):  # of the measured recipe; the paper's cannot have any
+# Sizes of the measured cGAN, not all of which the printed one can have.
+for size in ("n_range_bins", "n_range_lines", "depth"):
     PRINTED["cgan"].get("training", {}).pop(size, None)
 update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"
