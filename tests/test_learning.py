@@ -5,6 +5,7 @@ from toy_scenes import toy_scenes, with_ridges
 
 from snowsim.io import read_tracker
 from snowsim.learning import held_out_score, network_of_tracker, train_tracker
+from snowsim.tracker import checked_card
 
 
 def train(path, scenes, **changes):
@@ -21,6 +22,7 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
     assert "9 scenes" in read["trained_on"]  # of 11 every tenth, from the first on, is held out
     assert read["temperature"] == card["temperature"] > 0
     assert card["held_out"] == {"n_scenes": 2}
+    assert checked_card(read, "mine").outside({})  # without ranges nothing lies within
     again = tmp_path / "again.onnx"
     train(again, toy_scenes(11), n_steps=3)
     assert again.read_bytes() == content
