@@ -3,7 +3,6 @@
 The package defines its settings by dataclasses; all other settings stand in config.schema.yaml.
 """
 
-import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -17,13 +16,10 @@ SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # Recipes of each stage by name; the first is the default.
 RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
 
-DRAFT = jsonschema.Draft202012Validator
-# For JSON Schema 4.0 is an integer, and NaN within any limits.
-TYPES = {
-    "integer": lambda _, value: type(value) is int,
-    "number": lambda _, value: type(value) in (int, float) and math.isfinite(value),
-}
-STRICT = jsonschema.validators.extend(DRAFT, type_checker=DRAFT.TYPE_CHECKER.redefine_many(TYPES))
+# For JSON Schema after draft 4, 4.0 is an integer.
+STRICT = jsonschema.validators.extend(
+    jsonschema.Draft202012Validator, type_checker=jsonschema.Draft4Validator.TYPE_CHECKER
+)
 
 
 def filled(config):
