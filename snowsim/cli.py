@@ -28,29 +28,10 @@ seed_option = click.option(
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
-# Options of `simulate` that a climate has.
-CLIMATE = ("accumulation_m", "variability", "n_years")
-# Options of a table of depth and density.
-PROFILE = ("depth_unit", "density_unit", "depth_column", "density_column", "depth_of")
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
 into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 over_option = click.option("--force", is_flag=True, help="Write over files that are there.")
-
-
-def profile_options(command):
-    """Options that tell how a table of depth and density is read."""
-    units = {"--depth-unit": ["m", "cm", "mm"], "--density-unit": ["kg m-3", "g cm-3"]}
-    places = click.Choice(["top", "middle", "bottom"])
-    told = "Place in a sample that its depth is given for, where no header tells."
-    command = click.option("--depth-of", type=places, help=told)(command)
-    for quantity in ("density", "depth"):
-        told = f"Name of the column of {quantity}, where the header tells no one column."
-        command = click.option(f"--{quantity}-column", help=told)(command)
-    for option, choices in units.items():
-        told = f"Unit of {option[2:].partition('-')[0]}, where no header has it."
-        command = click.option(option, type=click.Choice(choices), help=told)(command)
-    return command
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -364,8 +345,11 @@ def train(sources, model, n_steps, force, **settings):
     multiple=True,
     help="A number or the window of the radar, by its name in the API.",
 )
-@click.option("--profile", type=EXISTING, help="Table of depth and density, in place of a climate.")
-@profile_options
+@click.option(
+    "--profile",
+    type=EXISTING,
+    help="CSV of a measured profile in place of a climate: depth_m and density_kg_m3.",
+)
 @click.option(
     "--accumulation-m", type=float, default=0.3, help="Snow of a year, in metres of water."
 )
@@ -390,7 +374,7 @@ def train(sources, model, n_steps, force, **settings):
 @seed_option
 @click.pass_context
 def simulate(
-    context, echogram, radar, changes, profile, n_range_lines, after, force, seed, **settings,
+    context, echogram, radar, changes, profile, n_range_lines, after, force, seed, **climate,
 ):  # fmt: skip
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
     --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
@@ -399,7 +383,7 @@ def simulate(
     \b
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
-      snowsim simulate echogram.nc --profile pit.csv --depth-unit cm
+      snowsim simulate echogram.nc --profile pit.csv
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
       snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
     """  # noqa: D205, D301
@@ -418,11 +402,11 @@ def simulate(
             msg = f"{echogram}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
             raise click.UsageError(msg)
     check_outputs([echogram, path_to_layers], force, ".nc", ".mat")
-    of_climate = {name: settings.pop(name) for name in CLIMATE}
-    check_snow(context, profile is not None, CLIMATE, settings)
+    if profile is not None:
+        refuse_options(context, climate, "of a climate, not of a --profile")
     radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
-        snow = Climate(**of_climate) if profile is None else measured_snow(profile, settings)
+        snow = Climate(**climate) if profile is None else measured_snow(profile)
         before = None if after is None else frame_before(after)
         seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
     # Layers first: others may be named beside them.
@@ -458,29 +442,25 @@ def changes_of(radar, changes):
     return found
 
 
-def check_snow(context, is_measured, climate, profile):
-    """Refuse options of a climate beside a profile, and of a profile without one."""
-    unused = climate if is_measured else profile
-    given = click.core.ParameterSource.COMMANDLINE
-    for name in unused:
-        if context.get_parameter_source(name) == given:
+def refuse_options(context, names, reason):
+    """Refuse options that stand on the command line, with the reason."""
+    for name in names:
+        if context.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
             option = next(o.opts[0] for o in context.command.params if o.name == name)
-            reason = "is of a climate, not of a --profile" if is_measured else "is of a --profile"
-            msg = f"{option} {reason}"
+            msg = f"{option} is {reason}"
             raise click.UsageError(msg)
 
 
-def measured_snow(path, columns):
+def measured_snow(path):
     """`Snowpack` of a profile's file; what was read of it is shown."""
     from snowsim.io.profiles import read_profile
     from snowsim.snowpack import Snowpack
 
-    profile = read_profile(path, **columns)
+    profile = read_profile(path)
     click.echo(profile.note)
-    depth_m = profile.depth_m
     try:
         return Snowpack.from_profile(
-            depth_m, profile.density_kg_m3, thickness_m=profile.thickness_m
+            profile.depth_m, profile.density_kg_m3, thickness_m=profile.thickness_m
         )
     except ValueError as error:
         msg = f"{path}: {error}"
@@ -585,7 +565,6 @@ def track(files, folder, **options):
     help="Every layer is one year, or years are counted; by default annual where no pick has a "
     "confidence, as a person's.",
 )
-@profile_options
 @click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
 @click.option(
     "--echogram", "echograms", type=EXISTING, multiple=True, help="Of the frames, for the picture."
@@ -626,8 +605,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     check_outputs(paths, force, ".csv", ".nc", ".gpkg")
     with echo_warnings():
         layers = open_segment(files)
-        density = density_of(density, {name: settings.pop(name) for name in PROFILE})
-        found = accumulation(layers, density, year=year_of(years), **settings)
+        found = accumulation(layers, density_of(density), year=year_of(years), **settings)
     rows = table(found)
     if path.suffix == ".nc":
         write_dataset(path, found)
@@ -665,24 +643,16 @@ def echo_accumulation(path, n_rows, found, temperature_k):
         )
 
 
-def density_of(text, how):
-    """Density that an option tells, or the profile in a file of that name, read as options say.
-
-    None if no option tells any.
-    """
+def density_of(text):
+    """Density that an option states [kg m-3], or the profile in the file of that name, or None."""
     from snowsim.io.profiles import read_profile
 
     try:
-        density = None if text is None else float(text)
+        return None if text is None else float(text)
     except ValueError:
-        profile = read_profile(text, **how)
+        profile = read_profile(text)
         click.echo(profile.note)
         return profile
-    for name in PROFILE:
-        if how[name] is not None:
-            msg = f"--{name.replace('_', '-')} is of a table, not of a --density of {text}"
-            raise click.UsageError(msg)
-    return density
 
 
 def year_of(texts):

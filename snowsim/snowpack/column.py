@@ -63,12 +63,13 @@ def column_of(density, temperature_k, mean_m):
         if temperature_k is not None:
             msg = "temperature_k: expected none beside a profile, whose density is known at depth"
             raise ValueError(msg)
-        found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
-        check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
-        # The last sample with a density extends as far below its middle as above it.
-        last_m = density.depth_m[np.isfinite(density.density_kg_m3)][-1]
-        depth_m = np.append(found.depth_m, 2 * last_m - found.depth_m[-1])
-        slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
+        upper_m, density_kg_m3 = interfaces(
+            density.depth_m, density.density_kg_m3, density.thickness_m
+        )
+        check_values("profile: density [kg m-3]", density_kg_m3, *DENSITIES_KG_M3)
+        # The last sample extends as far below its middle as above it.
+        depth_m = np.append(upper_m, 2 * density.depth_m[-1] - upper_m[-1])
+        slab_m = density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
         return Column(depth_m, np.append(0, np.cumsum(slab_m)))
     check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
     if temperature_k is None:

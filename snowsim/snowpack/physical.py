@@ -202,9 +202,8 @@ class Snowpack:
     `attenuation_db_m`: two-way, beside what interfaces reflect. `coherent`: whether interfaces
     within a range cell of each other add in amplitude, as those of one measured profile do, or in
     power, as on average where their distances vary along track; by default in power, with a
-    warning if there are any. Of one range line alone can they add in amplitude. `measured`, by
-    layer: whether a profile tells of it; others give no echo. Speckle is full at any roughness,
-    0 too: what a smooth surface returns as a mirror does is not simulated.
+    warning if there are any. Of one range line alone can they add in amplitude. Speckle is full at
+    any roughness, 0 too: what a smooth surface returns as a mirror does is not simulated.
     """
 
     depth_m: np.ndarray
@@ -213,11 +212,9 @@ class Snowpack:
     slope: np.ndarray = 0.03
     attenuation_db_m: float = 0.0
     coherent: bool | None = None
-    measured: np.ndarray = True
 
     def __post_init__(self):
-        switches = ("coherent", "measured")
-        names = [name for name in vars(self) if name not in switches]
+        names = [name for name in vars(self) if name != "coherent"]
         held = {name: _filled(name, getattr(self, name)) for name in names}
         for name in ("depth_m", "density_kg_m3"):
             if held[name].ndim == 1:
@@ -236,7 +233,6 @@ class Snowpack:
             object.__setattr__(self, name, value)
         what = "snowpack: depth_m must increase with layer: its steps"
         check_values(what, np.diff(self.depth_m, axis=0), 0, above=True)
-        object.__setattr__(self, "measured", np.broadcast_to(self.measured, shape[:1]))
         if self.coherent and shape[1] > 1:
             msg = (
                 "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
@@ -248,23 +244,16 @@ class Snowpack:
     def from_profile(cls, depth_m, density_kg_m3, *, thickness_m=None, **others):
         """Snow as a pit, a core or a penetrometer measured it: steps of a millimetre to decimetres.
 
-        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below;
-        `thickness_m`, alike: by default samples reach half-way to their neighbours. The last
-        sample's snow goes on below. NaN in `density_kg_m3` [kg m-3] is missing, as is what no
-        sample reaches: density goes on to the surface from the first sample, straight lines bridge
-        gaps, without an echo, and a warning tells. `others` are those of `Snowpack`. Interfaces
-        stay as measured; how they combine, a radar decides: `snowsim.snowpack.combine`.
+        `depth_m` (sample,) is the middle of every sample [m], increasing from 0 or below, and
+        `density_kg_m3`, alike, its density [kg m-3]; leave samples without a density out.
+        `thickness_m`, alike: by default samples reach half-way to their neighbours, and across a
+        gap they do. The first sample reaches up to the surface, and the last sample's snow goes on
+        below. `others` are those of `Snowpack`. Interfaces stay as measured; how they combine, a
+        radar decides: `snowsim.snowpack.combine`.
         """
         given = {"depth_m": depth_m, "density_kg_m3": density_kg_m3, "thickness_m": thickness_m}
         given = {name: _filled(name, value) for name, value in given.items() if value is not None}
-        found = interfaces(**given)
-        return cls(
-            found.depth_m,
-            found.density_kg_m3,
-            coherent=True,
-            measured=found.measured,
-            **others,
-        )
+        return cls(*interfaces(**given), coherent=True, **others)
 
     def __repr__(self):
         n_layers, n_lines = self.depth_m.shape
@@ -396,7 +385,7 @@ def _one_by_one(snowpack, radar):
 def _combined(snowpack, radar):
     """`_Echoes` of a profile whose interfaces within a range cell add in amplitude."""
     index, below_s = _index_and_delay(snowpack)
-    reflection = np.where(snowpack.measured, _reflection(index)[:, 0], 0)
+    reflection = _reflection(index)[:, 0]
     found = combine(below_s[:, 0], reflection, radar.sweep)
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
     faint = found.lost_db > MOST_LOST_DB

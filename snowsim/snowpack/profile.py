@@ -1,6 +1,5 @@
 """What a radar makes of a measured profile: interfaces within a range cell add in amplitude."""
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from snowsim.limits import check_values
 REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB there
 SAMPLES = 6  # of power, to a range cell
 CENTRE_SAMPLES = 12  # of a group, where its power is centred
-TOUCHING_M = 0.001  # samples nearer than that to each other leave no gap
+TOUCHING_M = 0.001  # depths are rounded: by so much may samples overlap
 N_ROUNDS = 30  # of the fit; 200 change no cell of half a metre by 0.1 dB
 
 
@@ -169,95 +168,32 @@ def _fitted(power, grouped, centre_s, profile, last_s, sweep):
     return power
 
 
-@dataclass(frozen=True)
-class Interfaces:
-    """Interfaces of a measured profile, (interface,): depth [m], density of the snow below.
-
-    `measured` where the snow on both sides was.
-    """
-
-    depth_m: np.ndarray
-    density_kg_m3: np.ndarray
-    measured: np.ndarray
-
-
 def interfaces(depth_m, density_kg_m3, thickness_m=None):
-    """`Interfaces` of samples (sample,), each homogeneous.
+    """Depth of the interfaces of a measured profile and density of the snow below each.
 
-    They reach over their thickness about `depth_m`, else half-way to their neighbours. A gap has
-    the mean density of its ends, and so the travel time of a straight line between them; above the
-    first sample and below the last one density goes on: a warning tells of all.
+    Samples (sample,) are homogeneous, their middles at `depth_m` [m]; with `thickness_m` they may
+    not overlap. Each interface lies half-way between two samples: between their middles, or, with
+    `thickness_m`, between the base of one and the top of the next. The first sample reaches up to
+    the surface, and the snow of the last one goes on below. Two arrays (interface,): depth [m], the
+    surface first, and density [kg m-3].
     """
-    _check_samples(depth_m, density_kg_m3, depth_m if thickness_m is None else thickness_m)
-    top_m, base_m = _extents(depth_m, thickness_m)
-    distances_m = top_m - np.append(0, base_m[:-1])
-    # Each with the least that it may be; a depth may come twice, an extent is never 0.
-    order = {
-        "depth_m": (depth_m, 0, False),
-        "depth_m must increase: extents": (base_m - top_m, 0, True),
-        "depth_m must increase: steps": (np.diff(depth_m), 0, False),
-        "samples must not overlap: distances": (distances_m, -TOUCHING_M, False),
-    }
-    for what, (values, least, above) in order.items():
-        check_values(f"profile: {what}", values, least, above=above)
-    known = np.flatnonzero(np.isfinite(density_kg_m3))
-    top_m = top_m[known]
-    base_m = base_m[known]
-    density = density_kg_m3[known]
-    missing_m = top_m[1:] - base_m[:-1]
-    after = 1 + np.flatnonzero(missing_m > TOUCHING_M)
-    end_m = base_m[-1] if known[-1] + 1 < depth_m.size else np.inf
-    _warn_of_missing(top_m[0], missing_m[after - 1].sum(), end_m)
-    upper_m = np.append(0.0, (top_m[1:] + base_m[:-1]) / 2)
-    upper_m[after] = top_m[after]
-    measured = np.ones(density.size, dtype=bool)
-    measured[after] = False
-    between = (density[after - 1] + density[after]) / 2
-    return Interfaces(
-        np.insert(upper_m, after, base_m[after - 1]),
-        np.insert(density, after, between),
-        np.insert(measured, after, False),
-    )
-
-
-def _extents(depth_m, thickness_m):
-    """Depth of the top and of the base of every sample [m], two (sample,)."""
-    if thickness_m is not None:
-        return depth_m - thickness_m / 2, depth_m + thickness_m / 2
-    between_m = (depth_m[:-1] + depth_m[1:]) / 2
-    last_m = 2 * depth_m[-1:] - between_m[-1:] if between_m.size else depth_m
-    # The first sample reaches as far above its depth as below, and to the surface if what is left
-    # above is less than a sample.
-    first_m = 2 * depth_m[:1] - between_m[:1] if between_m.size else 0 * depth_m
-    first_m[first_m < 2 * (depth_m[:1] - first_m)] = 0
-    return np.append(first_m, between_m), np.append(between_m, last_m)
-
-
-def _check_samples(depth_m, density_kg_m3, thickness_m):
-    """ValueError unless all are (sample,) and some density is known."""
-    shapes = {depth_m.shape, density_kg_m3.shape, thickness_m.shape}
-    known = np.isfinite(density_kg_m3)
-    if depth_m.ndim != 1 or len(shapes) > 1 or not known.any():
+    shapes = [np.shape(each) for each in (depth_m, density_kg_m3, thickness_m) if each is not None]
+    if len(set(shapes)) > 1 or len(shapes[0]) != 1 or 0 in shapes[0]:
         msg = (
-            "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, some "
-            f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
-            f"{known.sum()} densities"
+            "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, "
+            f"got shapes {', '.join(map(str, shapes))}"
         )
         raise ValueError(msg)
-
-
-def _warn_of_missing(first_m, missing_m, end_m):
-    """Say how much of a profile is missing."""
-    said = []
-    if first_m > TOUCHING_M:
-        said.append(
-            f"above {first_m:.4g} m the first one is taken, on which surface and depths depend"
-        )
-    if missing_m > 0:
-        said.append(
-            f"over {missing_m:.3g} m it is bridged by straight lines, which reflect nothing"
-        )
-    if np.isfinite(end_m):
-        said.append(f"below {end_m:.4g} m the last one goes on")
-    if said:
-        warnings.warn(f"profile: density is missing: {'; '.join(said)}", UserWarning, stacklevel=4)
+    check_values("profile: depth_m", depth_m, 0)
+    check_values("profile: density_kg_m3", density_kg_m3)
+    check_values("profile: depth_m must increase: its steps", np.diff(depth_m), 0, above=True)
+    half_m = 0
+    if thickness_m is not None:
+        check_values("profile: thickness_m", thickness_m, 0, above=True)
+        half_m = thickness_m / 2
+    top_m = (depth_m - half_m)[1:]
+    base_m = (depth_m + half_m)[:-1]
+    if thickness_m is not None:
+        what = "profile: samples must not overlap: distances"
+        check_values(what, top_m - base_m, -TOUCHING_M)
+    return np.append(0.0, (base_m + top_m) / 2), density_kg_m3

@@ -70,7 +70,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=Non
         As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in
         place of the snow; `twtt` (layer, slow_time) [s] of every interface, `peak_twtt`, where its
         echo peaks, `power_db`, the mean power of that peak, `depth_m` below the surface, and
-        `water_m`, the mass above [m w.e.]. A profile has no layer where nothing was measured.
+        `water_m`, the mass above [m w.e.].
 
     Raises
     ------

@@ -273,11 +273,9 @@ def test_temperatures_of_greenland_are_near_those_of_boreholes(
 
 def test_a_profile_of_one_density_is_that_density_and_ends_where_it_ends(year_m):
     layers = layers_of(below_s(water_of(year_m)))
-    depth_m = np.arange(0.05, 8, 0.1)
-    density = np.where(depth_m < 5, DENSITY, np.nan)
-    profile = Profile(depth_m, density, "", np.full(depth_m.size, 0.1))
-    with pytest.warns(UserWarning, match="density is missing: below 5 m"):
-        found = accumulation(layers, profile, year=2011)
+    depth_m = np.arange(0.05, 5, 0.1)
+    profile = Profile(depth_m, np.full(depth_m.size, DENSITY), "", np.full(depth_m.size, 0.1))
+    found = accumulation(layers, profile, year=2011)
     whole = accumulation(layers, DENSITY, year=2011)
     shallow = found.sizes["year"]
     assert 4 <= shallow < 8
@@ -407,7 +405,7 @@ def test_density_of_the_command_may_be_a_profile_and_years_may_be_named(tmp_path
     path = tmp_path / "a.csv"
     named = ["--year", "snow_3=2008", "--year", "snow_4=2007"]
     main(["accumulation", *files, "-o", str(path), "--density", str(core), *named])
-    assert "core.csv: 200 samples down to 19.95 m" in capsys.readouterr().out
+    assert "core.csv: 200 samples from 0.05 to 19.95 m" in capsys.readouterr().out
     assert set(pd.read_csv(path)["year"]) == set(range(2001, 2011))
     with pytest.raises(SystemExit):
         main(["accumulation", *files, "-o", str(path), *named, "--year", "snow_3=2007", "--force"])
