@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M
+from snowsim.constants import EARTH_RADIUS_M
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
@@ -13,19 +13,6 @@ MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
-# Speckle is a share of the power: from row to row its logarithm follows that of the power by a
-# slope of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike
-# everywhere; and taken for power, those that are all far above zero span hardly anything.
-DECIBELS = "Data looks like decibels: speckle of linear power is in proportion to it"
-LEAST_SLOPE = 0.2
-LEAST_SPAN_DB = 3.0
-LEAST_LINES = 32  # and rows, that tell it
-# Skewness over coefficient of variation is 2 for noise power of any number of looks, more for
-# mixtures, 1.5 where it is coherent in part; 1.2 for the amplitude of one look, 1 for that of many.
-AMPLITUDE = "Data looks like amplitude, by the skewness of its noise: linear power is its square"
-LEAST_OF_POWER = 1.5
-QUIET_ROWS = 48  # that are noise
-MOST_LINES = 2048
 DEGREES = {"Latitude": 90, "Longitude": 360}
 FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
@@ -376,65 +363,6 @@ def surface_away_bins(echogram, layers):
     """
     away = np.abs(layer_bins_of(layers, echogram)[0] - own_surface_bins(echogram))
     return np.nanmedian(away) if np.isfinite(away).any() else np.nan
-
-
-def why_no_power(echogram):
-    """What Data looks like in place of linear power, in words, or None."""
-    if _looks_like_decibels(echogram):
-        return DECIBELS
-    return AMPLITUDE if _looks_like_amplitude(echogram) else None
-
-
-def _looks_like_decibels(echogram):
-    """Whether Data has a span, or speckle along track, that no linear power has, as in `DECIBELS`.
-
-    Told on 256 lines in the middle, level with the echogram's own surface.
-    """
-    power = data_of(echogram)
-    n_bins, n_lines = power.shape
-    if n_lines == 1:
-        return False
-    first = max(0, n_lines // 2 - BLOCK_LINES // 2)
-    lines = slice(first, first + BLOCK_LINES)
-    surface = np.nan_to_num(own_surface_bins(echogram)[lines])
-    shift = np.rint(surface - np.median(surface)).astype(int)
-    level = levelled(power[:, lines].astype(float), shift, n_bins)
-    level[~(level > 0)] = np.nan
-    measured = np.isfinite(np.diff(level, axis=1)).mean(axis=1) > 0.5
-    level = level[measured]
-    if min(level.shape) < LEAST_LINES:
-        return False
-    speckle = np.nanmedian(np.abs(np.diff(level, axis=1)), axis=1)
-    if np.count_nonzero(speckle) < LEAST_LINES:
-        return False
-    if to_db(np.nanmax(level) / np.nanmean(level, axis=1).min()) < LEAST_SPAN_DB:
-        return True
-    logarithms = np.log([np.nanmedian(level, axis=1)[speckle > 0], speckle[speckle > 0]])
-    (variance, covariance), _ = np.cov(logarithms)
-    return covariance < LEAST_SLOPE * variance
-
-
-def _looks_like_amplitude(echogram):
-    """Whether the rows of least power are skewed as amplitude is, by twice its standard error.
-
-    Not told where they hold hardly any noise, or what changes from line to line by less than noise.
-    """
-    power = data_of(echogram)
-    power = power[:, :: 1 + power.shape[1] // MOST_LINES]
-    power = power[(power > 0).mean(axis=1) > 0.5]
-    if min(power.shape) < LEAST_LINES:
-        return False
-    power = np.where(power > 0, power, np.nan)
-    noise = power[np.argsort(np.nanmean(power, axis=1))[:QUIET_ROWS]].astype(float)
-    noise = noise[:, np.isfinite(noise).any(axis=0)]
-    noise /= np.nanmean(noise, axis=0)
-    noise = noise / np.nanmean(noise, axis=1)[:, None] - 1
-    deviation = np.nanstd(noise)
-    error = np.sqrt(6 / np.isfinite(noise).sum())
-    change = np.nanstd(np.diff(noise, axis=1))
-    if deviation < 4 * error or change < deviation:
-        return False
-    return np.nanmean(noise**3) < deviation**3 * (LEAST_OF_POWER * deviation - 2 * error)
 
 
 def along_track_m(echogram):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import bin_size_s, why_no_power
+from snowsim.echogram import bin_size_s
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
@@ -74,7 +74,6 @@ def _echogram(what, echogram, stored):
     unknown = ~(echogram["Surface"].values > 0)
     notes = [words for name, words in TOLD_BY.items() if name in stored]
     notes.append(f"range bins of {bin_size_s(echogram):.4g} s")
-    notes += filter(None, [why_no_power(echogram)])
     if missing.any():
         notes.append(f"{missing.mean():.2%} of pixels hold no power (NaN or 0)")
     if unknown.any():

@@ -15,7 +15,6 @@ from snowsim.echogram import (
     check_choice,
     check_layers,
     surface_away_bins,
-    why_no_power,
 )
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
@@ -186,9 +185,6 @@ def read_frame(
     for flag in flagged_by:
         check_choice("flagged_by", flag, SUPPLEMENT_FLAGS)
     echogram = read_echogram(row.echogram, source=source)
-    reason = why_no_power(echogram)
-    if reason is not None:
-        warnings.warn(f"{row.echogram}: {reason}", UserWarning, stacklevel=2)
     layers = _layers_from_surface(row.layers, layer_names)
     _check_clock(row.layers, layers, echogram)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))

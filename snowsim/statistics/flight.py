@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
-from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins, why_no_power
+from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded
@@ -66,8 +66,8 @@ def fit(frames, *, estimator="deblended"):
     Raises
     ------
     ValueError
-        If there is no frame, bin sizes differ, a dataset breaks the convention or looks like
-        amplitude or decibels in place of power, or `estimate` refuses the flight.
+        If there is no frame, bin sizes differ, a dataset breaks the convention, or `estimate`
+        refuses the flight.
 
     Examples
     --------
@@ -87,12 +87,7 @@ def fit(frames, *, estimator="deblended"):
     summaries = []
     away_bins = []
     for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
-        where = f"frame {number}"
-        reason = why_no_power(echogram)
-        if reason is not None:
-            msg = f"{where}: {reason}"
-            raise ValueError(msg)
-        summaries.append(summarise(echogram, layers, where=where))
+        summaries.append(summarise(echogram, layers, where=f"frame {number}"))
         away_bins.append(surface_away_bins(echogram, layers))
     summary = merge(summaries)
     far_bins = [bins for bins in away_bins if bins > FAR_BINS]

@@ -19,7 +19,6 @@ from snowsim.echogram import (
     levelled,
     to_db,
     to_grey,
-    why_no_power,
 )
 from snowsim.frames import resample_range
 from snowsim.limits import check_count, check_values
@@ -158,8 +157,6 @@ def canonical(echogram, card, where="echogram"):
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
-    if echogram.attrs.get("source_format") != "image":
-        notes.extend(filter(None, [why_no_power(echogram)]))
     surface_db = survey.largest_db
     return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes, outside)
 

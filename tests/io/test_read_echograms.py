@@ -1,7 +1,6 @@
 """Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
 from functools import partial
-from types import SimpleNamespace
 
 import formats
 import netCDF4
@@ -13,15 +12,13 @@ from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
-from snowsim import Climate, simulate
 from snowsim.echogram import bin_size_s, check_echogram, to_db
 from snowsim.frames import flagged_lines
 from snowsim.io import echogram as echogram_of
-from snowsim.io import read_echogram, read_frame, write_dataset
+from snowsim.io import read_echogram, write_dataset
 from snowsim.io.describe import describe
 from snowsim.io.predictions import read_picks
 from snowsim.io.times import gps_seconds, utc_times
-from snowsim.statistics import fit
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
 DB_ROUND_TRIP = 1e-5
@@ -350,18 +347,14 @@ def test_a_time_axis_in_single_precision_is_even_to_its_last_digit(path, content
     assert_allclose(bin_size_s(echogram), 0.0866e-9, rtol=1e-4)  # .26 % of a bin over 119 of them
 
 
-@pytest.mark.parametrize("highest_db", [120, 1000])
-def test_decibels_made_positive_are_told_by_info_and_refused_by_fit(path, highest_db):
-    echogram, layers = simulate(Climate(accumulation_m=0.4), "snow-2012", n_range_lines=256, rng=1)
-    power_db = to_db(echogram["Data"])
-    echogram.assign(Data=power_db - power_db.max() + highest_db).to_netcdf(path)
-    assert "looks like decibels" in " ".join(describe(path)["notes"])
-    layers.to_netcdf(path.with_name("layers.nc"))
-    row = SimpleNamespace(echogram=path, layers=path.with_name("layers.nc"))
-    with pytest.warns(UserWarning, match="looks like decibels"):
-        read_frame(row)
-    with refusal("frame 0: Data looks like decibels"):
-        fit([(read_echogram(path), layers)])
+def test_decibels_are_told_by_their_units_and_floats_without_are_linear_power(path, content):
+    frame = formats.opr_dataset(content)
+    power_db = to_db(frame["Data"]) + 120  # none is negative
+    for units in ("dB", "decibels"):
+        frame.assign(Data=power_db.assign_attrs(units=units)).to_netcdf(path)
+        assert_allclose(to_db(read_echogram(path)["Data"]), power_db, rtol=1e-6)
+    frame.assign(Data=power_db.drop_attrs()).to_netcdf(path)
+    assert_array_equal(read_echogram(path)["Data"], power_db)
 
 
 def write_picks(path, content):

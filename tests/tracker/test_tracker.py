@@ -239,21 +239,6 @@ def test_good_picks_of_simulated_snow_are_right_as_often_as_the_card_says(radar)
     assert (away_s[good] < 2 * tracker.card.bin_s).mean() > 0.9
 
 
-def test_decibels_taken_for_power_are_warned_of(tracker, frame):
-    echogram, _ = frame
-    with pytest.warns(UserWarning, match="Data looks like decibels"):
-        tracker.pick(echogram.assign(Data=10 * np.log10(echogram["Data"]) + 120))
-
-
-@quiet
-@pytest.mark.parametrize("n_looks", [1, 100])
-def test_power_of_little_contrast_and_many_looks_is_not_taken_for_decibels(tracker, rng, n_looks):
-    echogram, _ = planted(rng, contrast=0.5)
-    # The surface lies 9 dB above the air.
-    found = tracker.pick(with_looks(echogram, n_looks, rng))
-    assert "decibels" not in found.attrs["notes"]
-
-
 def test_probability_lies_on_the_echograms_own_axes(tracker, rng):
     echogram, layers = planted(rng, bin_s=1.9e-10, spacing_m=2.6)
     probability = tracker.annotate(echogram)
