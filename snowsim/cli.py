@@ -108,12 +108,12 @@ def scene_set(source):
         raise click.UsageError(msg) from error
 
 
-@commands.command(short_help="What a file is, what it holds, and what to watch for.")
+@commands.command(short_help="What a file is, and what tracking would note.")
 @click.argument("file", type=EXISTING)
 def info(file):
-    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
-    statistics, an image or an array, or a folder of image pairs or exported scenes; what it holds,
-    and what to watch for.
+    """Say what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
+    statistics, an image or an array, or a folder of image pairs or exported scenes; its sizes,
+    radar, time and place. For an echogram, print the notes that `snowsim track` would give.
 
     \b
     Examples:
@@ -122,9 +122,24 @@ def info(file):
     """  # noqa: D205, D301
     from snowsim.io.describe import describe
 
-    below = "\n" + 8 * " "
-    for what, lines in describe(file).items():
-        click.echo(f"{what:<7} {below.join(lines or ['none'])}")
+    lines, held = describe(file)
+    for what, line in lines.items():
+        click.echo(f"{what:<7} {line}")
+    for note in track_notes(file, held) if held is not None and "Data" in held else ():
+        click.echo(f"note    {note}")
+
+
+def track_notes(path, echogram):
+    """Notes that tracking with the shipped tracker would give on an echogram; or its refusal."""
+    from snowsim.io.models import read_tracker, shipped_trackers
+    from snowsim.tracker import canonical, checked_card
+
+    shipped = shipped_trackers()["universal"]
+    _, card = read_tracker(shipped)
+    try:
+        return canonical(echogram, checked_card(card, shipped), str(path)).notes
+    except ValueError as error:
+        return [f"not tracked: {error}"]
 
 
 @commands.command(short_help="Scenes to train a tracker on.", context_settings=SHOWN)

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from toy_scenes import toy_scenes
 
+from snowsim import Climate, simulate
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
 from snowsim.io import (
@@ -22,7 +23,6 @@ from snowsim.io import (
     write_image,
     write_scenes,
 )
-from snowsim.io.containers import SUPPLEMENT_FLAGS
 
 RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
 TRUTH = np.zeros((50, 20), dtype=bool)
@@ -155,19 +155,25 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
 
 
 TOLD = {
-    "nsidc.nc": ["IRSNO1B", "slow_time: 40", "bins of 2.886e-10 s", "undone", "dB", "no supp"],
-    "nsidc_gap.nc": ["Surface is unknown on 1 "],
-    "layers.mat": ["id 1: 97.5% picked", "none is named surface"],
-    "scenes.nc": ["2 scenes", "7 labelled pixels lie below the images"],
-    "set": ["format  a folder of 2 exported scenes", "range_bin: 96"],
-    "mask.png": ["range_bin: 50, range_line: 20", "2 levels from 0"],
-    "shades.npy": ["range_bin: 50, range_line: 20", "50 levels from 0"],
-    REFERENCE: [
-        "format  statistics of a flight\n",
-        "n_range_lines:             40960",
-        "layer: 57",
-        "synthetic reference flight",
+    "nsidc.nc": [
+        "format  an IRSNO1B echogram\n",
+        "range bins of 2.886e-10 s",
+        "slow_time 40",
+        "radar   season_name 2012_Greenland_P3",
+        "time    2012-03-30T00:00:00 to 2012-03-30T00:00:01 UTC\n",
+        "place   70.00000, -40.00000 to 70.00039, -39.99961 (degrees",
     ],
+    "silent.nc": ["note    not tracked: silent.nc: range lines with 30 range bins or more"],
+    "frame.nc": [
+        "radar   radar_name simulated",
+        "note    no positions: range lines are used as they are\n",
+    ],
+    "layers.mat": ["format  CReSIS layers\n", "layers  id 1\n", "place   70.0"],
+    "scenes.nc": ["a set of scenes\n", "3 scenes of 96 range bins, 64 range lines, 3 to 4 layers"],
+    "set": ["format  a folder of 2 exported scenes", "range_bin 96"],
+    "mask.png": ["format  a PNG image\n", "range_bin 50, range_line 20"],
+    "shades.npy": ["range_bin 50, range_line 20"],
+    REFERENCE: ["format  statistics of a flight\n", "layer 57"],
 }
 
 
@@ -176,20 +182,19 @@ def described(path, capsys):
     return capsys.readouterr().out
 
 
-def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypatch, capsys):
+def test_info_says_what_a_file_is_and_what_tracking_would_note(tmp_path, rng, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     content = formats.truth(rng)
-    correction = np.arange(formats.N_LINES) % 5
-    options = {"n_kept": formats.N_BINS, "truncate_time": True}
-    formats.write_nsidc("nsidc.nc", formats.compensated(content, correction, **options))
-    content["Surface"][3] = np.nan
-    formats.write_nsidc("nsidc_gap.nc", content)
+    formats.write_nsidc("nsidc.nc", content)
+    frame, _ = simulate(Climate(accumulation_m=0.3), "snow-2012", n_range_lines=300, rng=1)
+    frame["Latitude"][:] = np.nan
+    frame.to_netcdf("frame.nc")
+    frame.assign(Data=frame["Data"] * np.nan).to_netcdf("silent.nc")
     layers = formats.layer_content([content["Surface"]], [1], content["GPS_time"])
     formats.write_mat5("layers.mat", layers)
     scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
-    for number, scene in enumerate(scenes):
-        scene.notes["n_pixels_cut"] = 3 + number
-    write_scenes("scenes.nc", scenes)
+    fewer = dataclasses.replace(scenes[0], name="fewer", layer_bins=scenes[0].layer_bins[:3])
+    write_scenes("scenes.nc", [fewer, *scenes])
     export_netcdf(tmp_path / "set", scenes)
     write_image(tmp_path / "mask.png", TRUTH)
     np.save("shades.npy", RAMP)
@@ -197,12 +202,6 @@ def test_info_tells_format_content_and_what_to_watch_for(tmp_path, rng, monkeypa
         printed = described(name, capsys)
         for part in parts:
             assert part in printed, name
-    formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
-    assert "no supplement" not in described("nsidc.nc", capsys)
-    # Layers that have numbers begin with the surface.
-    twtt = [content["Surface"], content["Surface"] + 1e-8]
-    formats.opr_layers(twtt, content["GPS_time"]).to_netcdf("numbered.nc")
-    assert "none is named surface" not in described("numbered.nc", capsys)
 
 
 def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of(

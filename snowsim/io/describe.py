@@ -1,109 +1,88 @@
-"""What a file is, in words: its format, what it holds, and what to watch for."""
+"""What a file is: its format, sizes, radar, time and place."""
 
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from snowsim.echogram import bin_size_s
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
-from snowsim.io.layers import begins_with_surface
-from snowsim.io.pairs import ANY_GREY, BLURRED, PairSet, exported_in, read_image, tells_db
+from snowsim.io.pairs import ANY_GREY, PairSet, exported_in, read_image
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
 
-# What a variable in the file of an echogram tells.
-TOLD_BY = {
-    "Elevation_Correction": "compensated for elevation (Elevation_Correction): undone when read",
-    "amplitude": "power stored in dB: linear when read",
-    "minData": "power stored in dB, as integers: linear when read",
-    "GPS_time": "time in GPS seconds: without leap seconds when read",
-}
+# Attributes that say which radar recorded or simulated the data.
+RADAR = ("radar_name", "season_name", "day_seg", "centre_hz", "bandwidth_hz", "n_looks")
 
 
 def describe(path):
-    """Lines with `format`, `holds` and `notes`, by these names, of a file or its folder.
+    """Description of a file or folder, {"format": text, "sizes": text, ...}, and its dataset.
 
-    The file is read as a whole: what its reader refuses is refused here, in the reader's own line.
+    The whole file is read; what its reader refuses is refused here, in the same line. Scenes have
+    no dataset, None.
     """
     path = Path(path)
     exported = exported_in(path)
     if exported:
         what = f"a folder of {len(exported)} exported scenes, of which this is one"
-        return _said(what, read_values(exported[0]))
+        return _described(what, read_values(exported[0]))
     if path.is_dir() and not is_zarr(path):
-        return _scenes("a folder of benchmark pairs", PairSet(path))
+        return _described_scenes("a folder of benchmark pairs", PairSet(path))
     if path.suffix == ".npy":
-        return _image(read_array(path)[1])
+        return _described("an array", _image(read_array(path)[1]))
     content = content_of(path)
-    form = picture_format(content)
-    if form:
-        return _image(read_image(path, ANY_GREY, content)[0], [BLURRED] if form == "JPEG" else [])
+    picture = picture_format(content)
+    if picture:
+        return _described(f"a {picture} image", _image(read_image(path, ANY_GREY, content)[0]))
     stored = opened(path, content)
     kind = format_of(stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
-    what = in_words(kind)
-    if kind in ECHOGRAMS:
-        return _echogram(what, read_echogram(stored), stored.names)
-    if kind in LAYERS:
-        return _layers(what, read_layers(stored))
     if kind == "scenes":
         with SceneSet(path) as scenes:
-            return _scenes(what, scenes)
-    return _said(what, stored.read())
+            return _described_scenes(in_words(kind), scenes)
+    if kind in ECHOGRAMS:
+        held = read_echogram(stored)
+    else:
+        held = read_layers(stored) if kind in LAYERS else stored.read()
+    return _described(in_words(kind), held)
 
 
-def _image(values, notes=()):
-    levels = np.unique(values).astype(float)
-    told = f"{levels.size} levels from {levels[0]:g} to {levels[-1]:g}"
-    image = xr.Dataset({"image": (("range_bin", "range_line"), values)})
-    return _said("an image or array", image, [told, *notes])
+def _image(values):
+    return xr.Dataset({"image": (("range_bin", "range_line"), values)})
 
 
-def _said(what, held, notes=()):
-    """All of it as lines; `held` is a dataset or table."""
-    with xr.set_options(display_max_rows=20):
-        return {"format": [what], "holds": str(held).splitlines(), "notes": notes}
+def _described_scenes(what, scenes):
+    sizes = [
+        (scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins))
+        for scene in shown(scenes, unit="scene")
+    ]
+    least, most = np.min(sizes, axis=0), np.max(sizes, axis=0)
+    names = ("range bins", "range lines", "layers")
+    spans = []
+    for name, low, high in zip(names, least, most, strict=True):
+        spans.append(f"{low} {name}" if low == high else f"{low} to {high} {name}")
+    return {"format": what, "sizes": f"{len(sizes)} scenes of {', '.join(spans)}"}, None
 
 
-def _echogram(what, echogram, stored):
-    missing = ~(echogram["Data"].values > 0)
-    unknown = ~(echogram["Surface"].values > 0)
-    notes = [words for name, words in TOLD_BY.items() if name in stored]
-    notes.append(f"range bins of {bin_size_s(echogram):.4g} s")
-    if missing.any():
-        notes.append(f"{missing.mean():.2%} of pixels hold no power (NaN or 0)")
-    if unknown.any():
-        notes.append(f"Surface is unknown on {unknown.sum()} range lines")
-    if "amplitude" in stored and "quality_mask" not in echogram:
-        notes.append("no supplement beside it flags range lines")
-    return _said(what, echogram, notes)
-
-
-def _layers(what, layers):
-    labels = layers.get_index("layer").astype(str)
-    picked = np.isfinite(layers["twtt"].values).mean(axis=1)
-    shares = [f"{label}: {share:.1%} picked" for label, share in zip(labels, picked, strict=True)]
-    notes = [one_line("; ".join(shares))]
-    if not begins_with_surface(layers):
-        notes.append("none is named surface (by the organizer file beside it)")
-    return _said(what, layers, notes)
-
-
-def _scenes(what, scenes):
-    rows = []
-    n_mute = n_cut = 0
-    for scene in shown(scenes, unit="scene"):
-        rows.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
-        n_mute += scene.image is not None and not tells_db(scene)
-        n_cut += scene.notes.get("n_pixels_cut", 0)
-    notes = []
-    if n_mute:
-        notes.append(f"{n_mute} images do not hold their decibels")
-    if n_cut:
-        notes.append(f"{n_cut} labelled pixels lie below the images")
-    sizes = pd.DataFrame(rows, columns=["range_bins", "range_lines", "layers"])
-    return _said(f"{what}: {len(rows)} scenes", sizes.agg(["min", "max"]), notes)
+def _described(what, held):
+    sizes = [f"{name} {size}" for name, size in held.sizes.items()]
+    if "Data" in held:
+        sizes.append(f"range bins of {bin_size_s(held):.4g} s")
+    lines = {"format": what, "sizes": ", ".join(sizes)}
+    if "layer" in held.coords:
+        lines["layers"] = one_line(", ".join(held["layer"].values.astype(str)))
+    radar = [f"{name} {held.attrs[name]}" for name in RADAR if name in held.attrs]
+    if radar:
+        lines["radar"] = one_line(", ".join(radar))
+    if "slow_time" in held:
+        first, last = held["slow_time"].values[[0, -1]].astype("datetime64[s]")
+        lines["time"] = f"{first} to {last} UTC"
+    if {"Latitude", "Longitude"} <= held.keys():
+        places = held[["Latitude", "Longitude"]].to_array().values
+        places = places[:, np.isfinite(places).all(axis=0)]
+        if places.size:
+            ends = [f"{place[0]:.5f}, {place[1]:.5f}" for place in (places[:, 0], places[:, -1])]
+            lines["place"] = f"{' to '.join(ends)} (degrees north, east)"
+    return lines, held
