@@ -402,7 +402,7 @@ def simulate(
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
       snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
     """  # noqa: D205, D301
-    from snowsim.io.echograms import named_frame
+    from snowsim.echogram import named_frame
     from snowsim.io.files import write_dataset
     from snowsim.io.layers import write_cresis
     from snowsim.snowpack import Climate, Radar, simulate
@@ -435,8 +435,8 @@ def simulate(
 
 def frame_before(path):
     """Echogram of a file, whose name may tell its segment and frame."""
+    from snowsim.echogram import named_frame
     from snowsim.io import read_echogram
-    from snowsim.io.echograms import named_frame
 
     echogram = read_echogram(path)
     segment, number = named_frame(path)

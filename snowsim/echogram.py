@@ -1,7 +1,10 @@
 """The data model: echogram and layer datasets, scenes, echoes, their checks, 8-bit scaling."""
 
+import re
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
+from pathlib import Path
 
 import numpy as np
 
@@ -13,6 +16,27 @@ MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
+# No echogram takes more memory: the largest frames of the archives are about 30000 x 5000 float32,
+# 0.6 GB, and a decompression bomb ends here.
+MAXIMUM_BYTES = 2**30
+UNITS = {
+    "Data": "W (uncalibrated)",
+    "twtt": "s",
+    "Latitude": "degrees_north",
+    "Longitude": "degrees_east",
+    "Elevation": "m",
+    "Surface": "s",
+    "Bottom": "s",
+    "Roll": "radian",
+    "Pitch": "radian",
+    "Heading": "radian",
+    "Elevation_Correction": "range bins",
+}
+AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
+ALONG_TRACK = [name for name in UNITS if name not in AXES]
+INVENTED_TIME = np.datetime64("2000-01-01", "ns")
+# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
+NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 DEGREES = {"Latitude": 90, "Longitude": 360}
 FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
@@ -127,6 +151,107 @@ class Scene:
     def mask(self):
         """Binary layer mask of the annotated layers, bool (range_bin, range_line)."""
         return layer_mask(self.layer_bins, self.n_range_bins)
+
+
+def named_frame(path):
+    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
+    named = NAMED.search(Path(path).stem)
+    return (named[1], int(named[2])) if named else (None, None)
+
+
+def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
+    """Echogram dataset of arrays in memory, as `read_echogram` gives them of a file.
+
+    Parameters
+    ----------
+    data : array_like, (range_bin, range_line)
+        Linear power, NaN or masked where nothing was recorded.
+    twtt : array_like, (range_bin,)
+        Two-way travel time of the range bins, evenly spaced [s].
+    slow_time : array_like of datetime64, (range_line,), optional
+        UTC; by default range lines follow one another by a millisecond, from 2000 on.
+    attrs : dict, optional
+        Attributes of the dataset.
+    **along_track : array_like, (range_line,)
+        `Latitude`, `Longitude` [deg], `Elevation` [m], `Surface` and `Bottom` (travel times) [s],
+        `Roll`, `Pitch`, `Heading` [radian]; the first four are NaN by default.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `read_echogram`.
+
+    Raises
+    ------
+    ValueError
+        In one line: names that are not known, lengths that do not agree, power that is negative or
+        looks like grey levels.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> power = np.random.default_rng(1).gamma(4, 0.25, size=(300, 64))
+    >>> frame = echogram(power, twtt=3e-6 + 2.886e-10 * np.arange(300))
+    >>> dict(frame.sizes), int(frame["Surface"].isnull().sum())
+    ({'twtt': 300, 'slow_time': 64}, 64)
+    """
+    if not along_track.keys() <= UNITS.keys():
+        known, given = (", ".join(sorted(names)) for names in (UNITS, along_track))
+        msg = f"echogram: names: expected {known}, found {given}"
+        raise ValueError(msg)
+    content = {}
+    for name, values in {"Data": data, "twtt": twtt, "slow_time": slow_time, **along_track}.items():
+        if values is not None:
+            with one_line_for("echogram", f"{name}: expected an array"):
+                content[name] = np.asanyarray(values)
+    return echogram_dataset("echogram", content, attrs or {})
+
+
+def echogram_dataset(where, content, attributes):
+    """Echogram dataset of arrays by name, checked; messages begin with `where`.
+
+    `content` holds linear power `Data` (range_bin, range_line), `twtt`, and any variables along
+    slow_time. Without `slow_time`, range lines are a millisecond apart; positions and surface that
+    are missing are NaN. Data are transposed if only that fits.
+    """
+    # Imported here: every job loads this module, and xarray takes half a second.
+    import xarray as xr
+
+    data = content["Data"]
+    n_bins = np.size(content["twtt"])
+    n_lines = (
+        np.size(content["slow_time"]) if "slow_time" in content else data.size // max(n_bins, 1)
+    )
+    if n_bins != n_lines and data.shape == (n_lines, n_bins):
+        data = data.T
+    if n_lines == 1 and data.size == n_bins:
+        data = data.reshape(n_bins, 1)
+    kept = np.float32 if data.dtype.kind in "iub" else data.dtype.newbyteorder("=")
+    data = data.astype(kept, copy=False)
+    invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
+    unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
+    dataset = xr.Dataset(attrs=attributes)
+    # Data first, and so their axes.
+    for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
+        with one_line_for(where, f"{name}: expected real numbers, as many as others have"):
+            if name not in ("Data", "slow_time"):
+                values = np.ravel(values).astype(float)
+            dataset[name] = (AXES.get(name, "slow_time"), values)
+            if name in UNITS:
+                dataset[name].attrs["units"] = UNITS[name]
+    check_echogram(dataset, str(where))
+    return dataset
+
+
+@contextmanager
+def one_line_for(where, expected):
+    """Turn what numpy or xarray cannot convert into a ValueError of one line."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        found = " ".join(str(error).split())
+        msg = f"{where}: {expected}, found {type(error).__name__} {found}"
+        raise ValueError(msg) from error
 
 
 def check_choice(name, value, choices):

@@ -15,10 +15,9 @@ from tempfile import TemporaryFile
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import check_choice, from_uint8
+from snowsim.echogram import check_choice, from_uint8, named_frame
 from snowsim.io import echogram, read_echogram
 from snowsim.io.containers import opened
-from snowsim.io.echograms import named_frame
 from snowsim.io.files import content_of, library_errors, picture_format, refusal
 from snowsim.io.layers import (
     layer_numbers,

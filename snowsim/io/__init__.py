@@ -2,10 +2,12 @@
 
 import lazy_loader
 
+from snowsim.echogram import echogram
+
 # By the module they are in, loaded at first use: every job imports this package, and h5py, scipy
 # and xarray take a second.
 MODULES = {
-    "echograms": ["echogram", "read_echogram"],
+    "echograms": ["read_echogram"],
     "files": ["read_dataset", "read_table", "write_dataset", "write_table", "written_whole"],
     "frames": ["check_frames", "each_frame", "read_frame", "read_frames"],
     "layers": ["open_segment", "read_layers", "write_layer_files", "write_layers"],
@@ -28,3 +30,4 @@ MODULES = {
     "scenes": ["SceneSet", "write_scenes"],
 }
 __getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=MODULES)
+__all__ = [*__all__, "echogram"]

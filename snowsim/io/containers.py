@@ -17,8 +17,8 @@ import scipy.io
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
+from snowsim.echogram import MAXIMUM_BYTES
 from snowsim.io.files import (
-    MAXIMUM_BYTES,
     content_of,
     library_errors,
     listed,

@@ -6,27 +6,18 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
+from snowsim.echogram import (
+    ALONG_TRACK,
+    MAXIMUM_BYTES,
+    UNITS,
+    check_echogram,
+    echogram_dataset,
+)
 from snowsim.frames import shifted
 from snowsim.io.containers import ECHOGRAMS, SUPPLEMENT_FLAGS, format_of, opened, read_values
-from snowsim.io.files import MAXIMUM_BYTES, library_errors, listed, refusal
+from snowsim.io.files import library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
-UNITS = {
-    "Data": "W (uncalibrated)",
-    "twtt": "s",
-    "Latitude": "degrees_north",
-    "Longitude": "degrees_east",
-    "Elevation": "m",
-    "Surface": "s",
-    "Bottom": "s",
-    "Roll": "radian",
-    "Pitch": "radian",
-    "Heading": "radian",
-    "Elevation_Correction": "range bins",
-}
-AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
-ALONG_TRACK = [name for name in UNITS if name not in AXES]
 # Span of an echogram in decibels, from the weakest pixel to the strongest; and its median as a
 # share of the strongest, where no pixel is negative.
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
@@ -34,15 +25,6 @@ LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
 # Parameters of a file that go with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
-# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
-NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
-INVENTED_TIME = np.datetime64("2000-01-01", "ns")
-
-
-def named_frame(path):
-    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
-    named = NAMED.search(Path(path).stem)
-    return (named[1], int(named[2])) if named else (None, None)
 
 
 def read_echogram(path, *, compensated=False, source=None):
@@ -90,85 +72,6 @@ def read_echogram(path, *, compensated=False, source=None):
             return read_opr(stored)
         read = read_nsidc if kind == "nsidc" else read_cresis
         return read(stored, compensated=compensated)
-
-
-def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
-    """Echogram dataset of arrays in memory, as `read_echogram` gives them of a file.
-
-    Parameters
-    ----------
-    data : array_like, (range_bin, range_line)
-        Linear power, NaN or masked where nothing was recorded.
-    twtt : array_like, (range_bin,)
-        Two-way travel time of the range bins, evenly spaced [s].
-    slow_time : array_like of datetime64, (range_line,), optional
-        UTC; by default range lines follow one another by a millisecond, from 2000 on.
-    attrs : dict, optional
-        Attributes of the dataset.
-    **along_track : array_like, (range_line,)
-        `Latitude`, `Longitude` [deg], `Elevation` [m], `Surface` and `Bottom` (travel times) [s],
-        `Roll`, `Pitch`, `Heading` [radian]; the first four are NaN by default.
-
-    Returns
-    -------
-    xarray.Dataset
-        As of `read_echogram`.
-
-    Raises
-    ------
-    ValueError
-        In one line: names that are not known, lengths that do not agree, power that is negative or
-        looks like grey levels.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> power = np.random.default_rng(1).gamma(4, 0.25, size=(300, 64))
-    >>> frame = echogram(power, twtt=3e-6 + 2.886e-10 * np.arange(300))
-    >>> dict(frame.sizes), int(frame["Surface"].isnull().sum())
-    ({'twtt': 300, 'slow_time': 64}, 64)
-    """
-    where = "echogram"
-    with library_errors(where, "data: expected an array (range_bin, range_line)"):
-        if along_track.keys() - UNITS.keys():
-            raise refusal(where, "names", listed(UNITS), listed(along_track))
-        content = {"Data": np.asanyarray(data), "twtt": twtt} | along_track
-        if slow_time is not None:
-            content["slow_time"] = np.asarray(slow_time)
-        return echogram_dataset(where, content, attrs or {})
-
-
-def echogram_dataset(where, content, attributes, *, decibels=False):
-    """Echogram dataset, checked; messages begin with `where`.
-
-    `content` holds `Data` (range_bin, range_line), `twtt`, and what there is along slow_time:
-    positions and surface are NaN where they are not known, times a millisecond apart. Data are
-    turned where only that fits. Of `decibels`, -inf (no power) becomes NaN.
-    """
-    data = content["Data"]
-    n_bins = np.size(content["twtt"])
-    n_lines = np.size(content["slow_time"]) if "slow_time" in content else data.size // n_bins
-    if n_bins != n_lines and data.shape == (n_lines, n_bins):
-        data = data.T
-    if n_lines == 1:
-        data = data.reshape(n_bins, 1)
-    kept = np.float32 if data.dtype.kind in "iub" else data.dtype.newbyteorder("=")
-    data = data.astype(kept, copy=False)
-    if decibels:
-        data = power_of(data, where)
-    invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
-    unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
-    dataset = xr.Dataset(attrs=attributes)
-    # Data first, and so their axes.
-    for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
-        with library_errors(where, f"{name}: expected real numbers, as many as others have"):
-            if name not in ("Data", "slow_time"):
-                values = np.ravel(values).astype(float)
-            dataset[name] = (AXES.get(name, "slow_time"), values)
-            if name in UNITS:
-                dataset[name].attrs["units"] = UNITS[name]
-    check_echogram(dataset, str(where))
-    return dataset
 
 
 def power_of(data_db, where):
@@ -248,7 +151,7 @@ def read_nsidc(stored, *, compensated=False):
     times = utc_times(values["time"])
     midnights = np.cumsum(np.append(False, np.diff(times) < -HALF_DAY))
     content = {
-        "Data": values["amplitude"].transpose(*axes).values,
+        "Data": power_of(values["amplitude"].transpose(*axes).values, stored.path),
         "twtt": values["fasttime"].values,
         "slow_time": times + 2 * HALF_DAY * midnights,
     }
@@ -264,7 +167,7 @@ def read_nsidc(stored, *, compensated=False):
             # Characters, padded with NUL.
             text = b"".join(np.ravel(values[name]).astype(bytes)).decode("latin-1")
             attributes.setdefault(parameter, " ".join(text.replace("\0", "").split())[:100])
-    echogram = echogram_dataset(stored.path, content, attributes, decibels=True)
+    echogram = echogram_dataset(stored.path, content, attributes)
     if "Elevation_Correction" in echogram and not compensated:
         echogram = undo_compensation(echogram)
     supplement = find_supplement(stored.path)
@@ -337,19 +240,19 @@ def read_cresis(stored, *, compensated=False):
         "slow_time": utc_times(values["GPS_time" if is_gps else "UTC_time"], gps=is_gps),
     }
     content |= {name: values[name] for name in ALONG_TRACK if name in values}
-    is_scaled = "minData" in values or "maxData" in values
-    if is_scaled:
+    if "minData" in values or "maxData" in values:
         with library_errors(stored.path, "Data: expected integers scaled by minData and maxData"):
             step_db = np.float32(values["maxData"] / np.iinfo(content["Data"].dtype).max)
             data_db = content["Data"].astype(np.float32) * step_db
-            content["Data"] = data_db + np.float32(values["minData"])
+            data_db += np.float32(values["minData"])
+        content["Data"] = power_of(data_db, stored.path)
     attributes = {"source_format": "CReSIS L1B MAT"}
     for struct in PARAMETER_STRUCTS:
         fields = values.get(struct)
         for name in PARAMETERS if isinstance(fields, dict) else ():
             if isinstance(fields.get(name), str) and fields[name]:
                 attributes.setdefault(name, " ".join(fields[name].split())[:100])
-    echogram = echogram_dataset(stored.path, content, attributes, decibels=is_scaled)
+    echogram = echogram_dataset(stored.path, content, attributes)
     if "Elevation_Correction" not in echogram or compensated:
         return echogram
     padding = echogram["Elevation_Correction"].values.max() if time_is_padded else -np.inf

@@ -18,9 +18,6 @@ OTHERS = {
     b"%pdf": "a PDF document",
     **dict.fromkeys((b"\x1f\x8b", b"pk\x03\x04"), "a packed file: unpack it first"),
 }
-# A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32,
-# 0.6 GB.
-MAXIMUM_BYTES = 2**30
 
 
 class BadFile(ValueError):

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import check_choice, check_layers, crossing_layers
+from snowsim.echogram import UNITS, check_choice, check_layers, crossing_layers, named_frame
 from snowsim.io.containers import POSITION, format_of, opened, read_values, write_matlab
-from snowsim.io.echograms import UNITS, l1b_content, named_frame, parameters
+from snowsim.io.echograms import l1b_content, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 

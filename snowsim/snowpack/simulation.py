@@ -7,15 +7,16 @@ import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import (
+    MAXIMUM_BYTES,
     MINIMUM_ROWS,
     ROWS_BELOW_LAST_LAYER,
     SURFACE_ROW,
     check_echogram,
+    echogram_dataset,
+    named_frame,
     scene_height,
     to_db,
 )
-from snowsim.io.echograms import echogram_dataset, named_frame
-from snowsim.io.files import MAXIMUM_BYTES
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render
 from snowsim.phy.waveform import waveform_peak

@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 from formats import refused
 
+from snowsim.echogram import MAXIMUM_BYTES
 from snowsim.io import (
     SceneSet,
     layer_numbers,
@@ -36,7 +37,6 @@ from snowsim.io import (
     write_scenes,
 )
 from snowsim.io.containers import read_values
-from snowsim.io.files import MAXIMUM_BYTES
 from snowsim.io.predictions import read_map
 
 MOST_FLIPS = 8

@@ -67,7 +67,7 @@ def frames_to_track(path_to_table, per_job):
     A job has about `per_job` frames. A segment is never divided between jobs, however long it is,
     since layers keep their names along it. Frames whose files name no segment may be of one.
     """
-    from snowsim.io.echograms import named_frame
+    from snowsim.echogram import named_frame
     from snowsim.io.frames import TRACK, read_frames
 
     table = read_frames(path_to_table)
