@@ -58,7 +58,7 @@ class Echoes:
     bins : ndarray, (row, range_line)
         Range bin where each echo's waveform peaks; NaN where it is absent.
     power : ndarray, (row, range_line)
-        Its linear power there.
+        Its linear power there; PHY also takes one value for each row, (row,).
     variance_bins2, decay_rate : ndarray, (row,)
         Variance and decay of its waveform [bins^2, per bin].
     kind : ndarray of int8, (row,)
@@ -85,18 +85,6 @@ class Echoes:
     speckle_correlation: np.ndarray | None = None
     line_gain_spread_db: float = 0.0
     decay_factor: float = 1.0
-
-    def parameters(self):
-        """The same as `parameters` of `snowsim.phy.render`."""
-        return {
-            "peak_power": self.power,
-            "variance_bins2": self.variance_bins2,
-            "decay_rate": self.decay_rate,
-            "noise_power": self.noise_power,
-            "n_looks": self.n_looks,
-            "speckle_correlation": self.speckle_correlation,
-            "line_gain_spread_db": self.line_gain_spread_db,
-        }
 
 
 @dataclass

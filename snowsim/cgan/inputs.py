@@ -10,7 +10,7 @@ import torch
 from scipy.ndimage import gaussian_filter, uniform_filter1d
 
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
-from snowsim.phy import mean_power
+from snowsim.phy import mean_power_of
 
 EDGE_BINS = 10.0  # about the surface, where depth counts bin by bin
 # Further down: echoes fall about so; below three of the last nothing changes.
@@ -35,13 +35,7 @@ def expected_image(scene):
             "snowsim.labels.dress makes them of layers and statistics"
         )
         raise ValueError(msg)
-    power = mean_power(
-        echoes.bins,
-        echoes.power,
-        echoes.variance_bins2,
-        echoes.decay_rate,
-        scene.n_range_bins,
-    )
+    power = mean_power_of(echoes, scene.n_range_bins)
     return to_db(1 + power / echoes.noise_power) + DB_BELOW_NOISE_FLOOR
 
 

@@ -1,11 +1,12 @@
 """Mean power of a scene by eq. (1), from a sub-bin table of each waveform or in closed form."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from snowsim.echogram import check_layer_bins
+from snowsim.echogram import Echoes, Kind, check_layer_bins
 from snowsim.limits import check_count, check_values
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 
@@ -107,43 +108,52 @@ def mean_power(
     >>> bool(np.abs(10 * np.log10((mean_power(*scene) + 1e-8) / (exact + 1e-8))).max() < 0.05)
     True
     """
-    waveforms = checked_waveforms(
-        layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, as_printed=as_printed
-    )
+    echoes = layer_echoes(layer_bins, peak_power, variance_bins2, decay_rate)
+    return mean_power_of(echoes, n_range_bins, exact=exact, as_printed=as_printed)
+
+
+def mean_power_of(echoes, n_range_bins, *, exact=False, as_printed=False):
+    """Mean power of `Echoes` without noise, float64 (range_bin, range_line), as `mean_power`."""
+    waveforms = checked_waveforms(echoes, n_range_bins, as_printed=as_printed)
     return power_of(waveforms, exact=exact).astype(float, copy=False)
 
 
-def checked_waveforms(
-    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, *, as_printed=False
-):
-    """`Waveforms` from the arguments of `mean_power`.
+def layer_echoes(layer_bins, peak_power, variance_bins2, decay_rate, **radar):
+    """`Echoes` of layers, not checked; without noise and of one look unless `radar` says more."""
+    radar = {"noise_power": 0.0, "n_looks": 1.0} | radar
+    kind = np.full(np.shape(layer_bins)[:1], Kind.LAYER, dtype=np.int8)
+    return Echoes(layer_bins, peak_power, variance_bins2, decay_rate, kind, **radar)
 
-    ValueError with name, value and position for values of wrong shape or sign and layers that
+
+def checked_waveforms(echoes, n_range_bins, *, as_printed=False):
+    """`Waveforms` of `Echoes`, whose power may be (row,) where it is the same along track.
+
+    ValueError with name, value and position for values of wrong shape or sign and echoes that
     cross.
     """
-    layer_bins = np.asarray(layer_bins, dtype=float)
-    check_layer_bins(layer_bins)
+    bins = np.asarray(echoes.bins, dtype=float)
+    check_layer_bins(bins)
     check_count("n_range_bins", n_range_bins)
-    variance = np.asarray(variance_bins2, dtype=float)
-    decay = np.asarray(decay_rate, dtype=float)
-    peak_power = np.asarray(peak_power, dtype=float)
-    is_along_track = peak_power.shape == layer_bins.shape
+    variance = np.asarray(echoes.variance_bins2, dtype=float)
+    decay = np.asarray(echoes.decay_rate, dtype=float)
+    power = np.asarray(echoes.power, dtype=float)
+    is_along_track = power.shape == bins.shape
     if is_along_track:
-        peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
-    given = {"peak_power": peak_power, "variance_bins2": variance, "decay_rate": decay}
+        power = np.where(np.isfinite(bins), power, 0)
+    given = {"peak_power": power, "variance_bins2": variance, "decay_rate": decay}
     for name, values in given.items():
         may_vary = name == "peak_power" and is_along_track
-        if values.shape != layer_bins.shape[:1] and not may_vary:
-            msg = f"{name}: expected one value for each of {len(layer_bins)} layers, "
+        if values.shape != bins.shape[:1] and not may_vary:
+            msg = f"{name}: expected one value for each of {len(bins)} layers, "
             msg += f"got shape {values.shape}"
             raise ValueError(msg)
         check_values(name, values, *LIMITS[name])
-    peak_power = peak_power if is_along_track else peak_power[:, None]
+    power = power if is_along_track else power[:, None]
     offset_bins, unit_peak = waveform_peak(variance, decay)
-    amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
+    amplitude = power if as_printed else power / unit_peak[:, None]
     return Waveforms(
-        centre_bins=layer_bins if as_printed else layer_bins - offset_bins[:, None],
-        amplitude=np.where(np.isfinite(layer_bins), amplitude, 0),
+        centre_bins=bins if as_printed else bins - offset_bins[:, None],
+        amplitude=np.where(np.isfinite(bins), amplitude, 0),
         variance_bins2=variance,
         decay_rate=decay,
         unit_peak=unit_peak,
@@ -185,6 +195,20 @@ def exact_power(waveforms):
     return power
 
 
+class Tables(NamedTuple):
+    """Tables of the waveforms of a scene's layers, of amplitude 1, and of their tails."""
+
+    start: int  # first bin of all tables, from the centre of the waveform
+    value: np.ndarray  # of each waveform, float32 (layer, sub-bin position, bin)
+    slope: np.ndarray  # of its logarithm [per bin], as `value`
+    rise: np.ndarray  # where a layer's table starts, (layer,) [bins below the centre]
+    fall: np.ndarray  # where it ends and the tail begins, (layer,) [bins below the centre]
+    variance: np.ndarray  # (layer,) [bins^2]
+    decay: np.ndarray  # (layer,) [per bin]
+    log_tail: np.ndarray  # logarithm of the tail, extended to the centre, (layer,)
+    exponential: np.ndarray  # fall of the tail from bin to bin, float32 (layer, bin)
+
+
 # Tables of narrow layers underflow in rows that are never read.
 @np.errstate(under="ignore", divide="ignore", invalid="ignore")
 def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
@@ -196,80 +220,85 @@ def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
     error is at most ``h^2 / 16 d``. Below its table a waveform is ``sqrt(2 pi d) exp(alpha^2 d / 2
     - alpha x)``.
     """
+    largest = (waveforms.amplitude * waveforms.unit_peak[:, None]).max()
+    share = waveforms.amplitude / largest
+    power = np.empty(waveforms.shape, dtype=np.float32)
+    tables = _tables_of(waveforms, nodes_per_bin)
+    _add_layers(waveforms.centre_bins, share, tables, np.float32(largest), power)
+    return power
+
+
+def _tables_of(waveforms, nodes_per_bin):
+    """`Tables` of waveforms, with so many sub-bin positions."""
     variance = waveforms.variance_bins2[:, None]
     decay = waveforms.decay_rate[:, None]
     deviation = np.sqrt(variance)
-    tail = decay * variance + FALL_DEVIATIONS * deviation
+    fall = decay * variance + FALL_DEVIATIONS * deviation
     start = int(np.floor(-RISE_DEVIATIONS * deviation.max()))
-    n_bins = int(np.ceil(tail.max())) - start + 2
+    n_bins = int(np.ceil(fall.max())) - start + 2
     # Nodes are sorted by sub-bin position, then bin: neighbouring range bins read neighbours.
     phase = np.arange(nodes_per_bin)[:, None] / nodes_per_bin
     x_bins = (start + phase + np.arange(n_bins)).ravel()
     value = waveform_exact(x_bins, variance, decay)
     slope = np.exp(-(x_bins**2) / (2 * variance)) / value - decay  # w' = exp(-x^2 / 2d) - a w
     n_tail = int(min(np.ceil(TAIL_DECAYS / decay.min()), waveforms.n_range_bins))
-    exponential = np.exp(-decay * np.arange(n_tail)).astype(np.float32)
-    largest = (waveforms.amplitude * waveforms.unit_peak[:, None]).max()
-    log_tail = np.log(np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
-    shapes = np.hstack([-RISE_DEVIATIONS * deviation, tail, variance, decay, log_tail])
-    power = np.empty(waveforms.shape, dtype=np.float32)
     by_phase = (len(decay), nodes_per_bin, n_bins)
-    _add_layers(
-        waveforms.centre_bins,
-        waveforms.amplitude / largest,
-        shapes,
-        start,
-        value.astype(np.float32).reshape(by_phase),
-        slope.astype(np.float32).reshape(by_phase),
-        exponential,
-        np.float32(largest),
-        power,
+    return Tables(
+        start=start,
+        value=value.astype(np.float32).reshape(by_phase),
+        slope=slope.astype(np.float32).reshape(by_phase),
+        rise=-RISE_DEVIATIONS * deviation[:, 0],
+        fall=fall[:, 0],
+        variance=waveforms.variance_bins2,
+        decay=waveforms.decay_rate,
+        log_tail=(np.log(np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2)[:, 0],
+        exponential=np.exp(-decay * np.arange(n_tail)).astype(np.float32),
     )
-    return power
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
-def _add_layers(centre_bins, share, shapes, start, value, slope, exponential, unit, power):
+def _add_layers(centre_bins, share, tables, unit, power):
     """Fill `power` (range_bin, range_line) with the sum of all layers.
 
-    A layer has the amplitude `share` times `unit`. Its row of `shapes` holds where its table starts
-    and ends [bins below the centre], its variance, its decay rate, and the logarithm of its
-    exponential tail, extended to the centre.
+    A layer has the amplitude `share` (layer, range_line) times `unit`.
     """
     n_range_bins, n_lines = power.shape
-    n_nodes = value.shape[1]
+    n_nodes = tables.value.shape[1]
     lines = np.empty((LINES_AT_A_TIME, n_range_bins), dtype=np.float32)
     for at in range(0, n_lines, LINES_AT_A_TIME):
         stop = min(at + LINES_AT_A_TIME, n_lines)
         for line in range(at, stop):
             column = lines[line - at]
             column[:] = 0
-            for layer in range(len(shapes)):
+            for layer in range(len(tables.decay)):
                 centre = centre_bins[layer, line]
                 scale = share[layer, line]
-                rise, tail, variance, decay, log_tail = shapes[layer]
-                first = max(np.ceil(centre + rise), 0.0)
+                first = max(np.ceil(centre + tables.rise[layer]), 0.0)
                 if not first < n_range_bins or scale < WEAKEST:  # below the window, or NaN
                     continue
-                tail_row = min(max(np.ceil(centre + tail), first), float(n_range_bins))
+                table_end = np.ceil(centre + tables.fall[layer])
+                tail_row = min(max(table_end, first), float(n_range_bins))
                 if tail_row > first:
-                    place = (first - centre - start) * n_nodes
+                    place = (first - centre - tables.start) * n_nodes
                     nearest = int(np.floor(place + 0.5))
                     away = (place - nearest) / n_nodes
                     node = nearest // n_nodes
                     phase = nearest - node * n_nodes
                     _add_head(
                         column[int(first) : int(tail_row)],
-                        value[layer, phase, node:],
-                        slope[layer, phase, node:],
+                        tables.value[layer, phase, node:],
+                        tables.slope[layer, phase, node:],
                         np.float32(away),
-                        np.float32(scale * np.exp(-(away**2) / (4 * variance))),
+                        np.float32(scale * np.exp(-(away**2) / (4 * tables.variance[layer]))),
                     )
-                last = min(tail_row + exponential.shape[1], float(n_range_bins))
+                last = min(tail_row + tables.exponential.shape[1], float(n_range_bins))
                 if last > tail_row:
-                    scale *= np.exp(log_tail - decay * (tail_row - centre))
+                    decayed = tables.decay[layer] * (tail_row - centre)
+                    scale *= np.exp(tables.log_tail[layer] - decayed)
                     _add_tail(
-                        column[int(tail_row) : int(last)], exponential[layer], np.float32(scale)
+                        column[int(tail_row) : int(last)],
+                        tables.exponential[layer],
+                        np.float32(scale),
                     )
         for row in range(n_range_bins):
             for line in range(at, stop):

@@ -7,12 +7,12 @@ import numpy as np
 from snowsim.constants import NEPERS
 from snowsim.echogram import to_uint8
 from snowsim.limits import check_values
-from snowsim.phy.power import checked_waveforms, power_of
+from snowsim.phy.power import checked_waveforms, layer_echoes, power_of
 from snowsim.phy.speckle import check_looks, drawn
 from snowsim.seeding import generator
 
-NEEDED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
-OPTIONAL = {"speckle_correlation": None, "line_gain_spread_db": 0.0}
+REQUIRED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
+OPTIONAL = ("speckle_correlation", "line_gain_spread_db")
 
 
 def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed=False):
@@ -56,30 +56,31 @@ def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed
     >>> int(power.mean(axis=1).argmax())  # the range bin of the surface
     50
     """
-    conventions = {"exact": exact, "as_printed": as_printed}
-    return _rendered(layer_bins, parameters, n_range_bins, 0.0, generator(rng), **conventions)
-
-
-def _rendered(layer_bins, parameters, n_range_bins, added_power, rng, *, exact, as_printed):
-    """As `render`, of mean power with `added_power` of what is no layer."""
-    given = OPTIONAL | dict(parameters)
-    if given.keys() != {*NEEDED, *OPTIONAL}:
+    if {*parameters, *OPTIONAL} != {*REQUIRED, *OPTIONAL}:
         got = ", ".join(map(str, parameters)) or "none"
-        msg = f"parameters: expected {', '.join(NEEDED)}, got {got}"
+        msg = f"parameters: expected {', '.join(REQUIRED)}, got {got}"
         raise ValueError(msg)
+    echoes = layer_echoes(layer_bins, **parameters)
+    conventions = {"exact": exact, "as_printed": as_printed}
+    return render_echoes(echoes, n_range_bins, rng=generator(rng), **conventions)
+
+
+def render_echoes(echoes, n_range_bins, *, rng, added_power=0.0, exact=False, as_printed=False):
+    """Power of `Echoes` after M looks, as from `render`.
+
+    `added_power` (range_bin, range_line) is mean power of what is no echo.
+    """
     for name in ("noise_power", "line_gain_spread_db"):
-        check_values(name, given[name], 0, number=True)
-    correlation = given["speckle_correlation"]
+        check_values(name, getattr(echoes, name), 0, number=True)
+    correlation = echoes.speckle_correlation
     method = "gamma" if exact and correlation is None else "quantile"
-    check_looks(method, given["n_looks"], correlation)
-    shapes = [given[name] for name in ("peak_power", "variance_bins2", "decay_rate")]
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, as_printed=as_printed)
-    power = power_of(waveforms, exact=exact)
-    power += given["noise_power"]
+    check_looks(method, echoes.n_looks, correlation)
+    power = power_of(checked_waveforms(echoes, n_range_bins, as_printed=as_printed), exact=exact)
+    power += echoes.noise_power
     power += added_power
-    if given["line_gain_spread_db"] > 0:
-        power *= draw_gain(power.shape[1], given["line_gain_spread_db"], rng=rng)
-    return drawn(power, given["n_looks"], method=method, correlation=correlation, rng=rng)
+    if echoes.line_gain_spread_db > 0:
+        power *= draw_gain(power.shape[1], echoes.line_gain_spread_db, rng=rng)
+    return drawn(power, echoes.n_looks, method=method, correlation=correlation, rng=rng)
 
 
 def draw_gain(n_range_lines, spread_db, *, rng):
@@ -89,17 +90,13 @@ def draw_gain(n_range_lines, spread_db, *, rng):
     return np.exp(log_gain).astype(np.float32)
 
 
-def render_scene(scene, *, rng, echoes=None, added_power=0.0, exact=False, as_printed=False):
+def render_scene(scene, *, rng, echoes=None, **options):
     """The scene with its image, without echoes and complete layers.
 
-    Rendered are the scene's own `echoes` unless others are given, `snowsim.labels.dress` makes
-    them; mean power `added_power` (range_bin, range_line) of what is no echo is added to theirs.
-    Further options are those of `render`.
+    Rendered are the scene's own `echoes` unless others are given, as `snowsim.labels.dress` makes
+    them. Further options are those of `render_echoes`.
     """
-    echoes = echoes or scene.echoes
-    given = (echoes.bins, echoes.parameters(), scene.n_range_bins)
-    conventions = {"exact": exact, "as_printed": as_printed}
-    power = _rendered(*given, added_power, rng, **conventions)
+    power = render_echoes(echoes or scene.echoes, scene.n_range_bins, rng=rng, **options)
     image, noise_floor_db, maximum_db = to_uint8(power)
     return dataclasses.replace(
         scene,

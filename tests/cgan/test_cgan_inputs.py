@@ -6,13 +6,12 @@ from toy_scenes import toy_scene, with_echoes
 
 from snowsim.cgan.inputs import expected_image, inputs_of, known_map, snow_level
 from snowsim.echogram import to_uint8
-from snowsim.phy import render
+from snowsim.phy import render_echoes
 
 
 def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
     scene = with_echoes(toy_scene(3, 160, 128))
-    echoes = scene.echoes
-    power = render(echoes.bins, echoes.parameters(), 160, rng=rng, exact=True)
+    power = render_echoes(scene.echoes, 160, rng=rng, exact=True)
     image = to_uint8(power)[0]
     expected, observed = (
         known_map(levels, scene.layer_bins, snow_level(levels))

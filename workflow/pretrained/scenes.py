@@ -12,7 +12,7 @@ from reference import Settings
 from reference.picks import visible_layers
 from snowsim.echogram import Kind, Scene, to_uint8
 from snowsim.labels import draw_scene, prepare
-from snowsim.phy import mean_power
+from snowsim.phy import mean_power_of
 from snowsim.seeding import random_stream
 from snowsim.snowpack import Climate, Radar, simulate
 from snowsim.statistics import Variation, changed, varied
@@ -156,8 +156,7 @@ def on_lines(scene, lines):
 def labelled(scene):
     """The scene with those layers labelled that can be seen, see `seen_layers`."""
     echoes = scene.echoes
-    shapes = (echoes.power, echoes.variance_bins2, echoes.decay_rate)
-    power = mean_power(echoes.bins, *shapes, scene.n_range_bins) + echoes.noise_power
+    power = mean_power_of(echoes, scene.n_range_bins) + echoes.noise_power
     own = echoes.power[echoes.kind == Kind.LAYER]
     seen = seen_layers(own, power, scene.layer_bins)
     layer_bins = np.where(seen[:, None], scene.layer_bins, np.nan)

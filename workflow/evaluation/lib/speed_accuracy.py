@@ -19,13 +19,14 @@ from evaluation.lib.literal_phy import (
 from evaluation.lib.machine import device_name, time_rounds
 from snowsim.cgan import Settings, networks_of
 from snowsim.cgan import render as render_cgan
-from snowsim.echogram import Echoes, Kind, Scene, to_uint8
+from snowsim.echogram import Scene, to_uint8
 from snowsim.phy import draw_speckle, render
 from snowsim.phy.power import (
     NODES_PER_BIN,
     TABLE_RANGE,
     checked_waveforms,
     exact_power,
+    layer_echoes,
     power_of,
     table_power,
 )
@@ -108,7 +109,8 @@ def table_error_db(nodes_per_bin):
     errors_db = []
     for variance in variances:
         for decay in decays:
-            layer = checked_waveforms(layer_bins, [1.0], [variance], [decay], N_RANGE_BINS)
+            echoes = layer_echoes(layer_bins, [1.0], [variance], [decay])
+            layer = checked_waveforms(echoes, N_RANGE_BINS)
             exact = exact_power(layer)
             tabulated = table_power(layer, nodes_per_bin)
             for noise_db in NOISES_DB:
@@ -161,8 +163,7 @@ def scene_ways(layer_bins, parameters, cgan, rng):
 
     settings = Settings(**cgan)
     generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
-    of_waveforms = {"bins": layer_bins, "kind": np.full(len(layer_bins), Kind.LAYER), **parameters}
-    echoes = Echoes(power=of_waveforms.pop("peak_power"), **of_waveforms)
+    echoes = layer_echoes(layer_bins, **parameters)
     masked = Scene("planted", N_RANGE_BINS, layer_bins, echoes=echoes)
     return [
         Way(
