@@ -30,6 +30,7 @@ PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
+MOST_FRAMES = 999  # of a segment: their numbers have three digits
 into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 over_option = click.option("--force", is_flag=True, help="Write over files that are there.")
 
@@ -380,69 +381,115 @@ def train(sources, model, n_steps, force, **settings):
     "n_range_lines",
     type=COUNT,
     default=256,
-    help="Range lines of the echogram.",
+    help="Range lines of an echogram.",
 )
 @click.option(
-    "--after", type=EXISTING, help="Echogram of the frame before: time and position go on."
+    "--frames",
+    "n_frames",
+    type=click.IntRange(1, MOST_FRAMES),
+    default=1,
+    help="Consecutive echograms that one simulation is cut into, numbered in their names.",
+)
+@click.option(
+    "--date",
+    help="Day of the flight, YYYY-MM-DD; default: that of the name, else 2000-08-31.",
+    show_default=False,
 )
 @over_option
 @seed_option
 @click.pass_context
 def simulate(
-    context, echogram, radar, changes, profile, n_range_lines, after, force, seed, **climate,
+    context, echogram, radar, changes, profile, n_range_lines, n_frames, date, force, seed,
+    **climate,
 ):  # fmt: skip
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
     --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
     Data_YYYYMMDD_SS_FFF.mat is written as a CReSIS L1B file, layers to CSARP_layer.
+    With --frames snow, time and position go on from frame to frame.
 
     \b
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
       snowsim simulate echogram.nc --profile pit.csv
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
-      snowsim simulate Data_20120330_04_002.mat --after Data_20120330_04_001.mat --seed 2
+      snowsim simulate Data_20120330_04_001.mat --frames 3
     """  # noqa: D205, D301
-    from snowsim.echogram import named_frame
-    from snowsim.io.files import write_dataset
-    from snowsim.io.layers import write_cresis
     from snowsim.snowpack import Climate, Radar, simulate
 
-    segment, number = named_frame(echogram)
-    path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
-    write = write_dataset
-    if echogram.suffix == ".mat":
-        path_to_layers = echogram.parent / "CSARP_layer" / echogram.name
-        write = write_cresis
-        if segment is None:
-            msg = f"{echogram}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
-            raise click.UsageError(msg)
-    check_outputs([echogram, path_to_layers], force, ".nc", ".mat")
+    flight = {} if date is None else {"date": date}
+    flight |= date_of_name(echogram, date)
+    files = frame_files(echogram, n_frames)
+    echograms, beside = zip(*files, strict=True)
+    check_outputs([*echograms, *beside], force, ".nc", ".mat")
     if profile is not None:
         refuse_options(context, climate, "of a climate, not of a --profile")
     radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
         snow = Climate(**climate) if profile is None else measured_snow(profile)
-        before = None if after is None else frame_before(after)
-        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed, after=before)
-    # Layers first: others may be named beside them.
-    for path, dataset in ((path_to_layers, layers), (echogram, seen)):
-        if segment is not None:
-            dataset.attrs["granule"] = f"{segment}_{number:03d}"
-        write(path, dataset)
-        sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
-        click.echo(f"{path}: {sizes}")
+        n_all = n_frames * n_range_lines
+        seen, layers = simulate(snow, radar, n_range_lines=n_all, rng=seed, **flight)
+    for number, (path, path_to_layers) in enumerate(files):
+        lines = slice(number * n_range_lines, (number + 1) * n_range_lines)
+        # Layers first: others may be named beside them.
+        write_frame(path_to_layers, layers.isel(slow_time=lines), path, number)
+        write_frame(path, seen.isel(slow_time=lines), path, number)
 
 
-def frame_before(path):
-    """Echogram of a file, whose name may tell its segment and frame."""
+def date_of_name(path, date):
+    """The date that a file's name tells, as an argument of `simulate`; refused beside another."""
     from snowsim.echogram import named_frame
-    from snowsim.io import read_echogram
 
-    echogram = read_echogram(path)
-    segment, number = named_frame(path)
-    if segment is not None:
-        echogram.attrs["granule"] = f"{segment}_{number:03d}"
-    return echogram
+    segment, _ = named_frame(path)
+    if segment is None:
+        return {}
+    day = segment.partition("_")[0]
+    if date is not None and date.replace("-", "") != day:
+        msg = f"{path}: the date of the name is not that of --date {date}"
+        raise click.UsageError(msg)
+    return {"date": day}
+
+
+def frame_files(path, n_frames):
+    """Echogram and layer file of consecutive frames.
+
+    The number in a name goes on; another name gets one from 1 on, if there are several frames.
+    """
+    from snowsim.echogram import NAMED
+
+    named = NAMED.search(path.stem)
+    if path.suffix == ".mat" and named is None:
+        msg = f"{path}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
+        raise click.UsageError(msg)
+    before, first, after = f"{path.stem}_", 1, ""
+    if named is not None:
+        before, first, after = path.stem[: named.start(2)], int(named[2]), path.stem[named.end(2) :]
+    if first + n_frames - 1 > MOST_FRAMES:
+        msg = f"{path}: a segment has at most {MOST_FRAMES} frames, got --frames {n_frames}"
+        raise click.UsageError(msg)
+    frames = [path.with_stem(f"{before}{first + i:03d}{after}") for i in range(n_frames)]
+    frames = [path] if n_frames == 1 else frames
+    if path.suffix == ".mat":
+        return [(frame, frame.parent / "CSARP_layer" / frame.name) for frame in frames]
+    return [(frame, frame.with_name(f"{frame.stem}_layers.nc")) for frame in frames]
+
+
+def write_frame(path, dataset, echogram, number):
+    """Write a frame's echogram or layers; segment and frame are those of the echogram's name.
+
+    Where it tells none, the segment is the simulation's, and `number` counts frames from 0.
+    """
+    from snowsim.echogram import named_frame
+    from snowsim.io.files import write_dataset
+    from snowsim.io.layers import write_cresis
+
+    segment, frame = named_frame(echogram)
+    if segment is None:
+        segment, first = named_frame(dataset.granule)
+        frame = first + number
+    write = write_cresis if path.suffix == ".mat" else write_dataset
+    write(path, dataset.assign_attrs(granule=f"{segment}_{frame:03d}"))
+    sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
+    click.echo(f"{path}: {sizes}")
 
 
 def changes_of(radar, changes):

@@ -19,3 +19,4 @@ PROCESSED_BANDWIDTH_HZ = 5.149824e9
 BLOCK_LINES = 256  # range lines of a block, and of a scene
 OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")  # of the tracker
 STATISTICS_CONTENT = "snowsim flight statistics 3"  # attribute `content` of the dataset
+THIS_AGE = ("1980-01-06", "2100-01-01")  # days between which times of files lie

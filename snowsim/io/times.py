@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from snowsim.constants import THIS_AGE
 from snowsim.io.files import refusal
 
 SINCE = np.datetime64("1970-01-01", "s")
-THIS_AGE = ("1980-01-06", "2100-01-01")
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
 # Reference Systems Service.
 LEAP_DAYS = [

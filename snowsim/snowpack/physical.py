@@ -294,10 +294,11 @@ class Climate:
         for name, (low, high) in CLIMATES.items():
             check_values(f"climate: {name}", getattr(self, name), low, high, number=True)
 
-    def draw(self, n_range_lines, line_spacing_m, *, rng):
+    def draw(self, n_range_lines, line_spacing_m, *, rng, first_year=1.0):
         """`Snowpack` of annual layers below a flat surface.
 
-        Depth and mean density by Herron & Langway (1980).
+        Depth and mean density by Herron & Langway (1980). Of the uppermost year's snow, the share
+        `first_year` has fallen.
         """
         firn = (self.accumulation_m, self.temperature_k, self.surface_density_kg_m3)
         drift_lines = DRIFT_LENGTH_M / line_spacing_m
@@ -305,6 +306,7 @@ class Climate:
         logs = self.variability * rng.standard_normal((self.n_years, 1)) + DRIFT_SD * drift
         half_variance = (self.variability**2 + DRIFT_SD**2) / 2
         year_m = self.accumulation_m * np.exp(logs - half_variance)
+        year_m[0] *= first_year
         water_m = np.cumsum(np.r_[np.zeros((1, n_range_lines)), year_m], axis=0)
         middle_m = water_m.copy()
         middle_m[:-1] = (water_m[:-1] + water_m[1:]) / 2

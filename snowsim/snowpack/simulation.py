@@ -1,19 +1,19 @@
 """A snowpack as a radar sees it: the echogram, rendered by PHY, and its layers."""
 
 import warnings
+from datetime import date as Date
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
+from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S, THIS_AGE
 from snowsim.echogram import (
     MAXIMUM_BYTES,
     MINIMUM_ROWS,
     ROWS_BELOW_LAST_LAYER,
     SURFACE_ROW,
-    check_echogram,
     echogram_dataset,
-    named_frame,
     scene_height,
     to_db,
 )
@@ -28,10 +28,11 @@ from snowsim.snowpack.physical import (
     depth_and_water,
     physical_parameters,
 )
+from snowsim.snowpack.snow import NORTH_MONTHS, YEAR_DAYS
 
-# A flight due north at the end of a snow year: a whole one lies above a climate's first horizon.
-START = np.datetime64("2000-08-31", "ns")
-FIRST_GRANULE = "20000831_01_001"
+# A flight due north, by default at the end of a snow year: a whole one lies above a climate's first
+# horizon.
+DATE = "2000-08-31"
 SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0
@@ -47,7 +48,7 @@ LINES_AT_ONCE = 1024
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=None):
+def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE):
     """Echogram of a snowpack as a radar sees it, and its layers.
 
     Parameters
@@ -61,9 +62,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=Non
     rng : int or numpy.random.Generator
     exact : bool, optional
         See `snowsim.phy.render`.
-    after : xarray.Dataset, optional
-        Echogram of the frame before: time, position and the frame's number go on where it ended.
-        The snow does not.
+    date : str or datetime.date, optional
+        Day of the flight, 2012-03-30; it begins at midnight (UTC). Above the first horizon of a
+        climate lies the snow since the end of August.
 
     Returns
     -------
@@ -77,7 +78,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=Non
     ------
     ValueError
         If `n_range_lines` is below 1, differs from that of the snowpack, or makes an echogram
-        larger than readers take; if the surface rises to the radar; if `after` ends at no position.
+        larger than readers take; if the surface rises to the radar; if `date` is none.
 
     Notes
     -----
@@ -96,10 +97,14 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=Non
     """
     radar = Radar.preset(radar) if isinstance(radar, str) else radar
     rng = generator(rng)
+    start = _midnight(date)
     if n_range_lines is not None:
         _check_lines(n_range_lines, snowpack, radar)
     if isinstance(snowpack, Climate):
-        snowpack = snowpack.draw(n_range_lines or BLOCK_LINES, radar.line_spacing_m, rng=rng)
+        since_autumn = (start + pd.DateOffset(months=NORTH_MONTHS)).day_of_year / YEAR_DAYS
+        snowpack = snowpack.draw(
+            n_range_lines or BLOCK_LINES, radar.line_spacing_m, rng=rng, first_year=since_autumn
+        )
     if not np.any(snowpack.roughness_m):
         msg = "snowpack: roughness_m is 0, but speckle is full: mirrors are not simulated"
         warnings.warn(msg, UserWarning, stacklevel=2)
@@ -123,11 +128,11 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, after=Non
         # A window with its parameters is no attribute of a file.
         "window": str(radar.window),
         "synthetic": "simulated from a snowpack and a radar, not observed data",
-        "granule": _granule(after),
+        "granule": f"{start:%Y%m%d}_01_001",
         "radar_name": "simulated",
         "season_name": "simulated",
     }
-    content = _track(n_range_lines, radar, after) | {
+    content = _track(n_range_lines, radar, start) | {
         "Data": power,
         "twtt": first_s + np.arange(power.shape[0]) * radar.bin_s,
         "Surface": first_s + layer_bins[0] * radar.bin_s,
@@ -210,31 +215,28 @@ def _surface_row(surface_s, radar):
     return min(above, int(height_s / radar.bin_s))
 
 
-def _granule(after):
-    """Segment and number of a frame, as Open Polar Radar names it: the first, or that after one."""
-    told = "" if after is None else str(after.attrs.get("granule", ""))
-    segment, number = named_frame(told)
-    return FIRST_GRANULE if segment is None else f"{segment}_{number + 1:03d}"
+def _midnight(date):
+    """Begin of a day, one that readers of echograms take."""
+    try:
+        day = Date.fromisoformat(str(date))
+    except ValueError as error:
+        msg = f"date must be a day such as 2012-03-30, got {str(date)!r}"
+        raise ValueError(msg) from error
+    first, end = THIS_AGE
+    if not first <= str(day) < end:
+        msg = f"date must lie in {first} to {end}, as times in files, got {day}"
+        raise ValueError(msg)
+    return pd.Timestamp(day)
 
 
-def _track(n_range_lines, radar, after):
-    """Times and positions of a flight due north, as variables of an echogram.
-
-    It begins at one place and time, or a range line after the last one of a frame.
-    """
-    line = np.arange(n_range_lines)
-    start = {"slow_time": START, "Latitude": LATITUDE, "Longitude": LONGITUDE}
-    if after is not None:
-        check_echogram(after, "after")
-        line = line + 1
-        start = {name: after[name].values[-1] for name in start}
-        check_values("after: Latitude and Longitude of its end", [*start.values()][1:])
-    distance_m = line * radar.line_spacing_m
+def _track(n_range_lines, radar, start):
+    """Times and positions of a flight due north, as variables of an echogram."""
+    distance_m = np.arange(n_range_lines) * radar.line_spacing_m
     elapsed_ns = np.rint(1e9 * distance_m / SPEED_M_S)
     return {
-        "slow_time": start["slow_time"] + elapsed_ns.astype("timedelta64[ns]"),
-        "Latitude": start["Latitude"] + distance_m / METRES_PER_DEGREE,
-        "Longitude": np.full(n_range_lines, start["Longitude"]),
+        "slow_time": start.to_datetime64() + elapsed_ns.astype("timedelta64[ns]"),
+        "Latitude": LATITUDE + distance_m / METRES_PER_DEGREE,
+        "Longitude": np.full(n_range_lines, LONGITUDE),
         "Elevation": np.full(n_range_lines, GROUND_M + radar.height_m),
         # Level flight, which readers of L1B files expect to be told.
         **dict.fromkeys(("Roll", "Pitch", "Heading"), np.zeros(n_range_lines)),
