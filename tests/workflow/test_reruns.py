@@ -1,12 +1,13 @@
 """Edits rerun what depends on them and nothing else."""
 
 import os
+import subprocess
 from collections import defaultdict
 from contextlib import contextmanager
 from functools import partial
 
 import pytest
-from runs import parsed, rules_planned, rules_to_run, run_snakemake, settings, text_of
+from runs import ROOT, parsed, rules_planned, rules_to_run, run_snakemake, settings, text_of
 
 
 @contextmanager
@@ -91,3 +92,18 @@ def test_a_setting_reruns_what_depends_on_it_and_nothing_else(
     planned, triggered = rules_planned(tiny_run, settings(tmp_path, text), source=tiny_source)
     assert first <= triggered
     assert planned == set().union(*(downstream[name] for name in triggered))
+
+
+def test_a_finished_run_that_is_copied_with_its_source_plans_nothing(
+    tiny_run, tiny_source, tmp_path
+):
+    for name, folder in (("elsewhere", tiny_source), ("run", tiny_run)):
+        subprocess.run(["cp", "-a", folder, tmp_path / name], check=True)
+    planned = run_snakemake(tmp_path / "run", "--dry-run", source=tmp_path / "elsewhere")
+    assert "Nothing to be done" in text_of(planned)
+
+
+@pytest.mark.parametrize("targets", [["all", "as_printed", "pretrained"], ["study_flights"]])
+def test_no_rule_has_a_path_of_the_checkout_among_its_inputs(tmp_path, targets):
+    for job in parsed(tmp_path, targets=targets).dag.jobs:
+        assert not [path for path in job.input if path.startswith(str(ROOT))], job.rule.name

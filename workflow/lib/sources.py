@@ -86,10 +86,14 @@ def frames_to_track(path_to_table, per_job):
     return jobs
 
 
-def tracker_files(name, root):
-    """The network of a tracker and its card: a file, or one that comes with the package."""
-    weights = Path(name if name.endswith(".onnx") else root / f"snowsim/data/{name}.onnx")
-    return [str(weights), str(weights.with_suffix(".json"))]
+def own_tracker(name):
+    """Files of someone's own tracker, its network and its card; none of one of the package."""
+    return [name, str(Path(name).with_suffix(".json"))] if name.endswith(".onnx") else []
+
+
+def shipped_tracker(name):
+    """Files of a tracker that comes with the package, by their paths in the checkout; or none."""
+    return [] if own_tracker(name) else [f"snowsim/data/{name}{end}" for end in (".onnx", ".json")]
 
 
 def frame_files(row, source):

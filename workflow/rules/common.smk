@@ -108,10 +108,23 @@ def rendered_files(method, *sets):
     return [f"results/{method}/{scenes}/{shard}.nc" for scenes in sets for shard in shards(scenes)]
 
 
+def digest(path):
+    """SHA-256 of a file."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
 def finished(paths):
     """Files of `paths` that exist already, each with a digest; no rule makes them for their reader."""
-    made = [path for path in paths if Path(path).is_file()]
-    return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in made}
+    return {path: digest(path) for path in paths if Path(path).is_file()}
+
+
+def of_checkout(*names):
+    """Files of this checkout by their paths in it, each with a digest, for `params` of a rule.
+
+    As inputs they would have absolute paths, since a run may have a folder of its own: a finished run that is moved
+    with its checkout would begin anew.
+    """
+    return {name: digest(ROOT / name) for name in names}
 
 
 def added_scenes(method, training_set):

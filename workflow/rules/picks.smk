@@ -4,7 +4,7 @@
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
-        tracker=sources.tracker_files(OWN["tracker"], ROOT),
+        tracker=sources.own_tracker(OWN["tracker"]),
     output:
         folder=directory("results/picks/{shard}"),
         table="results/tables/tracked_frames/{shard}.csv",
@@ -17,6 +17,7 @@ rule track_frames:
     params:
         frames=lambda w: [row["frame"] for row in frames_by_job()[w.shard]],
         model=OWN["tracker"],
+        shipped=of_checkout(*sources.shipped_tracker(OWN["tracker"])),
     message:
         "layers of own frames, job {wildcards.shard}"
     script:

@@ -31,7 +31,6 @@ rule render_phy:
 rule complete_picks:
     input:
         scenes="results/benchmark/train/{shard}.nc",
-        weights=str(ROOT / "snowsim/data/universal.onnx"),
     output:
         completed="results/cgan/train/{shard}.nc",
     log:
@@ -42,6 +41,7 @@ rule complete_picks:
     resources:
         results_mb=lambda wildcards: scenes_mb("train", wildcards.shard, 220),
     params:
+        tracker=of_checkout("snowsim/data/universal.onnx", "snowsim/data/universal.json"),
         bin_s=BIN_S,
         source=SYNTHETIC,
     message:

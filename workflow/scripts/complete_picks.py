@@ -1,7 +1,7 @@
 """Complete the picks of observed train scenes, by the tracker that comes with the package."""
 
 import numpy as np
-from job import job, progress
+from job import checkout_files, job, progress
 
 from lib.completed_picks import completed
 from snowsim.io.models import read_tracker
@@ -9,8 +9,9 @@ from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import checked_card, rows_in_image, runner
 
 with job(snakemake) as log:
-    weights, content = read_tracker(snakemake.input.weights)
-    card = checked_card(content, snakemake.input.weights)
+    path, _ = checkout_files(snakemake.params.tracker)
+    weights, content = read_tracker(path)
+    card = checked_card(content, path)
     for line in card.outside({"bin_s": snakemake.params.bin_s}):
         msg = f"cgan.picks: completed: {line}; use cgan.picks: as_picked"
         raise ValueError(msg)

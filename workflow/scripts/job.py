@@ -28,6 +28,11 @@ if hasattr(sys.modules["__main__"], "snakemake"):
     atexit.register(gc.freeze)
 
 
+def checkout_files(names):
+    """Paths of files of the checkout, which a rule names in its params."""
+    return [ROOT / name for name in names]
+
+
 @contextmanager
 def job(snakemake):
     """Log to the rule's file; bad input or a full disk ends the job with one line on stderr.

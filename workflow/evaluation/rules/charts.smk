@@ -44,14 +44,15 @@ rule plot_charts:
         speed_accuracy="results/tables/speed_accuracy.csv",
         atlas_phy="results/tables/atlas_phy.csv",
         atlas_statistics="results/tables/atlas_statistics.csv",
-        # What `snakemake study_budgets` left.
-        budgets=ROOT / "workflow/evaluation/measured_budgets.csv",
     output:
         **drawn("charts", "speed_accuracy.svg", "atlas.svg"),
     log:
         "logs/plot_charts.log",
     benchmark:
         "results/benchmarks/plot_charts/all.tsv"
+    params:
+        # What `snakemake study_budgets` left.
+        budgets=of_checkout("workflow/evaluation/measured_budgets.csv"),
     message:
         "figures of speed, accuracy and failure"
     script:

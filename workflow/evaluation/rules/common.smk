@@ -17,8 +17,8 @@ FIGURES = {}
 
 
 def caption_file(figure):
-    """Path of a figure's caption."""
-    return ROOT / f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
+    """Path of a figure's caption in the checkout."""
+    return f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
 
 
 def drawn(stage, *files):
@@ -28,6 +28,6 @@ def drawn(stage, *files):
         path = Path("results/figures") / file
         FIGURES[str(path)] = stage
         outputs[file.replace(".", "_")] = report(
-            path, caption=str(caption_file(file)), category=stage
+            path, caption=str(ROOT / caption_file(file)), category=stage
         )
     return outputs

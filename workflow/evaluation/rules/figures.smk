@@ -14,8 +14,6 @@ rule plot_flight:
         statistics="results/statistics.nc",
         frames=expand("results/flight/{frame}.nc", frame=FRAMES),
         picks=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
-        # Natural Earth, 1:110,000,000, public domain.
-        coast=ROOT / "workflow/evaluation/greenland_coast.csv",
     output:
         **drawn("flight", "waveforms.svg", *OF_FRAMES),
     log:
@@ -24,6 +22,8 @@ rule plot_flight:
         "results/benchmarks/plot_flight/all.tsv"
     params:
         **DRAWING,
+        # Natural Earth, 1:110,000,000, public domain.
+        coast=of_checkout("workflow/evaluation/greenland_coast.csv"),
     message:
         "figures of the flight and of its statistics"
     script:

@@ -1,6 +1,6 @@
 # One page that works offline, from the tables and figures of the default run.
 
-REPORT = ROOT / "workflow/evaluation/report"
+REPORT = "workflow/evaluation/report"
 TABLES = ["table2", "table3_intervals", "picks", "two_sample", "closed_loop"]
 # Figures of the default run, each once.
 SHOWN = [file for file in dict.fromkeys(JUDGED) if file in FIGURES]
@@ -9,16 +9,12 @@ SHOWN = [file for file in dict.fromkeys(JUDGED) if file in FIGURES]
 rule write_report:
     input:
         tables=expand("results/tables/{name}.csv", name=TABLES),
-        paper=[REPORT / "paper/table2.csv", REPORT / "paper/table3.csv"],
         figures=SHOWN,
-        captions=[caption_file(file) for file in SHOWN],
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
         statistics="results/statistics.nc",
-        template=REPORT / "page/page.html.j2",
-        parts=[REPORT / "page/page.js", REPORT / "page/style.css"],
     output:
         page="results/report.html",
     log:
@@ -26,6 +22,12 @@ rule write_report:
     benchmark:
         "results/benchmarks/write_report/all.tsv"
     params:
+        paper=of_checkout(f"{REPORT}/paper/table2.csv", f"{REPORT}/paper/table3.csv"),
+        captions=of_checkout(*map(caption_file, SHOWN)),
+        # The template, then what it takes in.
+        page=of_checkout(
+            *(f"{REPORT}/page/{name}" for name in ("page.html.j2", "page.js", "style.css"))
+        ),
         config=config,
         note=NOTE,
         figure_stages=[FIGURES[file] for file in SHOWN],

@@ -1,6 +1,6 @@
 """Speed against accuracy of the task and of PHY, and where methods fail."""
 
-from main_path import job
+from main_path import checkout_files, job
 
 from evaluation.lib.figures import charts
 from evaluation.lib.figures.style import PLANTED, save_figure
@@ -10,7 +10,8 @@ with job(snakemake):
     measured = read_table(snakemake.input.speed_accuracy)
     of_phy = read_table(snakemake.input.atlas_phy)
     of_statistics = read_table(snakemake.input.atlas_statistics)
-    budgets = read_table(snakemake.input.budgets)
+    (left,) = checkout_files(snakemake.params.budgets)
+    budgets = read_table(left)
     save_figure(snakemake.output.atlas_svg, charts.atlas(of_phy, of_statistics), PLANTED)
     commit, date = budgets.loc[0, ["commit", "date"]]
     source = f"left: measured with snowsim at commit {commit[:8]}, {date}"

@@ -1,7 +1,7 @@
 """Figures of the flight's statistics and, where it has frames, of these."""
 
 import numpy as np
-from main_path import job
+from main_path import checkout_files, job
 
 from evaluation.lib.figures import flight
 from evaluation.lib.figures.style import Scale, save_figure
@@ -15,7 +15,8 @@ with job(snakemake):
     statistics = read_dataset(snakemake.input.statistics)
     save_figure(figures.waveforms_svg, flight.waveforms(statistics), params.source)
     if frames:
-        line = flight.flight_line(map(read_dataset, frames), read_table(snakemake.input.coast))
+        (coast,) = checkout_files(params.coast)
+        line = flight.flight_line(map(read_dataset, frames), read_table(coast))
         save_figure(figures.flight_line_svg, line, params.source)
         most = np.argmax([read_dataset(path)["twtt"].count() for path in picks])
         scale = Scale.of(statistics, params.snow_density_kg_m3)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from main_path import job
+from main_path import checkout_files, job
 
 from evaluation.lib.report import (
     depth_scale,
@@ -32,14 +32,16 @@ with job(snakemake):
     statistics = read_dataset(snakemake.input.statistics)
     content = page_content(
         tables=tables_by_name(snakemake.input.tables),
-        paper=tables_by_name(snakemake.input.paper),
+        paper=tables_by_name(checkout_files(snakemake.params.paper)),
         printed=tables_by_name(snakemake.params.printed),
         jobs=read_benchmarks(snakemake.params.benchmarks, snakemake.params.rule_stages),
         config=config,
         note=snakemake.params.note,
     )
     content["figures"] = figures_by_stage(
-        snakemake.input.figures, snakemake.params.figure_stages, snakemake.input.captions
+        snakemake.input.figures,
+        snakemake.params.figure_stages,
+        checkout_files(snakemake.params.captions),
     )
     content["gallery"] = {
         "scenes": gallery_of(scenes, images),
@@ -48,4 +50,5 @@ with job(snakemake):
             config["tracker"]["picks"]["snow_density_kg_m3"],
         ),
     }
-    write_page(snakemake.output.page, snakemake.input.template, content)
+    template, *_ = checkout_files(snakemake.params.page)
+    write_page(snakemake.output.page, template, content)
