@@ -2,7 +2,6 @@
 
 import warnings
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -12,11 +11,15 @@ from scipy.optimize import least_squares
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 from snowsim.progress import shown
+from snowsim.statistics.groups import (
+    OPEN_END_BINS,
+    TYPICAL_DECAY_RATE,
+    powers_of_all_layers,
+)
 from snowsim.statistics.summaries import FIRST_ROW, known_mean, rows_from
 
 # Averaged lines that fit the shape of a layer; at 100 looks a line, decay rates err by 1.5 %.
 SHAPE_GROUPS = 60
-OPEN_END_BINS = 40  # a line with a single layer ends this far below its pick
 # A waveform begins `RISE_DEVIATIONS` of its Gaussian above the centre, at 1e-10 of the peak. It
 # ends `FALL_NEPERS` e-foldings of its decay deeper than as many deviations below, at 1e-5.
 RISE_DEVIATIONS = 7.0
@@ -24,8 +27,6 @@ FALL_NEPERS = 12.0
 SMOOTH_ROWS = 9  # length of the moving mean of power that first weighs the residuals
 # [bins] e-folding depths of unpicked scatter; sums of such exponentials fit most declines.
 BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
-# [per bin] how fast unpicked scatter sets in below the surface: about a waveform's decay.
-BACKGROUND_RISE = 0.1
 # [bins] Snow between two picks at least this far apart has an echo of its own, halfway.
 ECHO_ROOM = 14.0
 ECHO_VARIANCE = 0.6  # [bins^2] of that echo's Gaussian: about the range response's
@@ -46,24 +47,6 @@ MOST_ROUNDS = 4  # of weighing residuals
 SETTLED = 5e-3
 LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
 LEAST_ERRORS = 2.0  # standard errors that a mean power must reach
-
-
-@dataclass(frozen=True)
-class Groups:
-    """Averaged range lines of a flight with the layers in them."""
-
-    # Power (group, row): the first row is `FIRST_ROW` below the surface; NaN outside the record.
-    power: np.ndarray
-    # A part (group, layer, part) is one of equal shares of a layer's picks in order of depth.
-    position: np.ndarray  # mean row of a part, NaN where the layer is absent
-    spread: np.ndarray  # variance of the rows in a part [bins^2]
-    present: np.ndarray  # (group, layer), bool
-    noise_power: float
-
-    @cached_property
-    def row(self):
-        """Mean row of a layer, (group, layer)."""
-        return self.position.mean(axis=2)
 
 
 @dataclass
@@ -178,10 +161,11 @@ def prepare_line(groups, group):
     # crusts between two picks would be, too: an echo halfway takes it up. One is enough, because
     # many could imitate a slower decay.
     depth = np.maximum(rows - (pick[0] if layers[0] == 0 else 0.0), 0)
-    declines = np.exp(-depth / BACKGROUND_FALLS[:, None]) - np.exp(-BACKGROUND_RISE * depth)
+    # Unpicked scatter sets in below the surface as fast as a waveform decays.
+    declines = np.exp(-depth / BACKGROUND_FALLS[:, None]) - np.exp(-TYPICAL_DECAY_RATE * depth)
     slab = np.diff(pick)
     echo = (pick[:-1] + slab / 2)[slab >= ECHO_ROOM]
-    echoes = waveform_exact(rows - echo[:, None], ECHO_VARIANCE, BACKGROUND_RISE)
+    echoes = waveform_exact(rows - echo[:, None], ECHO_VARIANCE, TYPICAL_DECAY_RATE)
     return Line(
         rows=rows,
         signal=signal,
@@ -352,19 +336,13 @@ def deblended_waveform(groups, tracked_power, decay):
     both = reliable & seen
     share = np.median(solved[both] / above_noise[both]) if both.any() else 1.0
     stand_in = share * np.where(seen, above_noise, groups.noise_power)
-    peak_power = bridged(np.where(reliable, solved, stand_in), tracked_power > 0)
+    peak_power = powers_of_all_layers(np.where(reliable, solved, stand_in), tracked_power > 0)
     variables |= {
         "peak_power": ("layer", peak_power),
         "substituted": ("layer", (~reliable).astype(np.int64)),
         "mean_waveform": (("layer", "lag"), _mean_waveforms(groups)),
     }
     return variables, powers
-
-
-def bridged(values, known):
-    """Values by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
-    logarithm = pd.Series(np.log(np.where(known, values, np.nan)))
-    return np.exp(logarithm.interpolate(limit_direction="both").to_numpy())
 
 
 def _mean_waveforms(groups):

@@ -10,19 +10,22 @@ from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded
-from snowsim.statistics.deblend import LAGS, Groups, deblended_waveform
-from snowsim.statistics.paper import measure_groups, paper_waveform
+from snowsim.statistics.deblend import LAGS, deblended_waveform
+from snowsim.statistics.groups import Groups
+from snowsim.statistics.paper import measure_groups, paper_waveform, thickness_spectra
 from snowsim.statistics.radiometry import LAW_FALLS, radiometry
+from snowsim.statistics.relief import relief_by_zone, surface_statistics
 from snowsim.statistics.speckle import QUANTILES, looks
 from snowsim.statistics.summaries import (
     AIR_MARGIN_BINS,
     GROUP_LINES,
+    MINIMUM_BLOCKS,
     in_stretches,
     known_mean,
     merge,
     summarise,
 )
-from snowsim.statistics.thickness import MINIMUM_BLOCKS, thickness_statistics
+from snowsim.statistics.thickness import blocks_in_zones, thickness_statistics
 
 ESTIMATORS = ("deblended", "paper")
 # Binary digits of statistics, 1.5e-5, on which processors agree: sums and fits leave at most 1e-11,
@@ -133,15 +136,16 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     xarray.Dataset
         `noise_power`; of the waveform `peak_power`, `decay_rate`, `width_bins`, `variance_bins2`,
         `offset_bins` of its peak below the pick, `n_picks` and `substituted (layer)`; of
-        `deblended` alone `mean_waveform (layer, lag)`; of thickness what `thickness_statistics`
-        returns; how power, noise and decay vary, see `radiometry`; tracked power against Gamma(M),
-        autocorrelation of speckle down range and along-track spectra of power, see `looks`.
+        `deblended` alone `mean_waveform (layer, lag)`; of thickness and of the surface's row what
+        `thickness_by_zone` returns; how power, noise and decay vary, see `radiometry`; tracked
+        power against Gamma(M), autocorrelation of speckle down range and along-track spectra of
+        power, see `looks`.
 
     Raises
     ------
     ValueError
-        If the estimator is unknown, there is no air above the surface, no layer, or what
-        `thickness_statistics` refuses.
+        If the estimator is unknown, there is no air above the surface, no layer, or no
+        block has slab 0 picked in half of its lines.
 
     Notes
     -----
@@ -164,9 +168,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     groups = Groups(*parts, present[:, :n_layers], noise(summary))
     variables, powers, decay = waveform(summary, groups, estimator)
     of_looks, n_looks = looks(summary)
-    of_thickness, counts = thickness_statistics(
-        summary, estimator=estimator, zone_edge_bins=zone_edge_bins
-    )
+    of_thickness, counts = thickness_by_zone(summary, estimator, zone_edge_bins)
     varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
     variables |= {"noise_power": groups.noise_power} | of_looks | of_thickness | dict(varies)
     coords = {"lag": LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
@@ -213,6 +215,27 @@ def waveform(summary, groups, estimator):
         variables, powers = deblended_waveform(groups, tracked_power, decay)
     variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
     return variables, powers, decay
+
+
+def thickness_by_zone(summary, estimator, zone_edge_bins):
+    """Variables of thickness and of the surface's row, and counts, two dicts.
+
+    Variables are those of `thickness_statistics`, of `relief_by_zone` (of `thickness_spectra` by
+    the estimator `paper`) and of `surface_statistics`; counts those of `blocks_in_zones` and, of
+    zones whose relief is that of all together, `n_zones_of_all_relief`.
+    """
+    blocks = blocks_in_zones(summary, zone_edge_bins)
+    variables = thickness_statistics(blocks)
+    counts = blocks.counts
+    if estimator == "paper":
+        variables |= thickness_spectra(np.diff(blocks.depth_bins, axis=1), blocks)
+    else:
+        spacing_m = float(np.median(summary["line_spacing_m"]))
+        n_zones = blocks.typical.size
+        relief, n_of_all = relief_by_zone(blocks.depth_bins, blocks.zone, n_zones, spacing_m)
+        variables |= relief
+        counts = counts | {"n_zones_of_all_relief": n_of_all}
+    return variables | surface_statistics(summary), counts
 
 
 def _rounded(statistics):

@@ -10,7 +10,7 @@ from scipy.signal import periodogram
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
-from snowsim.statistics.deblend import OPEN_END_BINS, bridged
+from snowsim.statistics.groups import OPEN_END_BINS, powers_of_all_layers
 from snowsim.statistics.summaries import FIRST_ROW, known_mean
 
 # The waveform's peak lies up to 6 bins below its Gaussian for variances of 10-15.
@@ -38,7 +38,7 @@ def paper_waveform(tracked_power, decay, width):
     nearest.iloc[-1, 0] = np.nan
     substituted = ~picked | unknown.any(axis=1)
     return {
-        "peak_power": ("layer", bridged(tracked_power, picked)),
+        "peak_power": ("layer", powers_of_all_layers(tracked_power, picked)),
         "decay_rate": ("layer", nearest["decay"].to_numpy()),
         "width_bins": ("layer", nearest["width"].to_numpy()),
         "variance_bins2": ("layer", nearest["width"].to_numpy()),

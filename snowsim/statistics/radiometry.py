@@ -12,7 +12,7 @@ from scipy.special import polygamma
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.statistics.deblend import BACKGROUND_RISE
+from snowsim.statistics.groups import TYPICAL_DECAY_RATE
 from snowsim.statistics.speckle import DB, decibels, fading, fading_products
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, known_mean, numbered, rows_from
 
@@ -204,7 +204,7 @@ def _picked(groups, powers, waveform, rows):
     names = ("variance_bins2", "decay_rate", "offset_bins")
     variance, decay, offset = (waveform[name][1] for name in names)
     # The deepest layer of `paper` has none.
-    typical = np.nanmedian(decay) if decay.size > 1 else BACKGROUND_RISE
+    typical = np.nanmedian(decay) if decay.size > 1 else TYPICAL_DECAY_RATE
     decay = np.where(np.isfinite(decay), decay, typical)
     lead, height = waveform_peak(variance, decay)
     spread = groups.spread.mean(axis=2) + groups.position.var(axis=2)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from snowsim.constants import KILOMETRE
-from snowsim.statistics.summaries import in_blocks, known_mean
+from snowsim.statistics.summaries import MINIMUM_BLOCKS, in_blocks, known_mean
 
 LAGS = 2 ** np.arange(8)  # [range lines]
 # [range lines] Layers are averaged, as picks are whole bins and stray: of smooth planted layers in
@@ -21,9 +21,6 @@ LAGS = 2 ** np.arange(8)  # [range lines]
 # rough ones .4 to .8 over 4 lines, .1 to .5 over one.
 MEAN_LINES = 5
 MOST_APART = 6  # layers
-# Blocks in which a distance is known over a lag, or the mean of a slab. With fewer a variance has a
-# standard error of its own size: a zone is pooled with the others.
-MINIMUM_BLOCKS = 4
 STILL = 0.1  # root of a change [bins]: picks in whole bins that did not move
 TELLING = (1, 6)  # of layers two apart over 64 lines: a zone without has too few data
 # Mean of the root of the change of a Gaussian variable, to the fourth, over its mean square.

@@ -19,6 +19,9 @@ from snowsim.echogram import (
 )
 from snowsim.limits import check_content, check_count
 
+# Blocks in which a distance is known over a lag, or the mean of a slab. With fewer a variance has a
+# standard error of its own size: a zone is pooled with the others.
+MINIMUM_BLOCKS = 4
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
 # Parts of a group's picks of a layer, sorted by depth: the rows that a sloping layer covers.

@@ -11,9 +11,7 @@ import pandas as pd
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import zone_of
 from snowsim.limits import check_count
-from snowsim.statistics.paper import thickness_spectra
-from snowsim.statistics.relief import MINIMUM_BLOCKS, relief_by_zone, surface_statistics
-from snowsim.statistics.summaries import in_blocks, known_mean
+from snowsim.statistics.summaries import MINIMUM_BLOCKS, in_blocks, known_mean
 
 N_ZONES = 4
 N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
@@ -23,33 +21,26 @@ LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 
 @dataclass(frozen=True)
 class Blocks:
-    """Blocks that lie in a zone."""
+    """Blocks that lie in a zone, and the zones."""
 
+    depth_bins: np.ndarray  # layers below the surface, (block, layer, range_line), NaN in gaps
     mean: np.ndarray  # thickness, (block, slab), NaN where unknown
     level: np.ndarray  # mean thickness of slab 0, (block,)
+    n_below: np.ndarray  # layers below the surface, down to the deepest slab known, (block,)
     zone: np.ndarray  # (block,)
+    zone_edge_bins: np.ndarray  # (edge,)
     typical: np.ndarray  # thickness of slab 0, (zone,)
+    counts: dict  # of all blocks, of those without a zone and of those without layers
 
 
-def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
-    """Statistics of thickness and of the surface's row: variables and attributes, two dicts.
-
-    Variables are name to (dimensions, values): `zone_edge_bins (edge)`; `thickness_mean_bins`,
-    `thickness_variance_bins2`, `relative_thickness_mean`, `relative_thickness_variance`,
-    `n_samples (zone, slab)` of block means; `first_thickness_quantile_bins (quantile)`, evenly from
-    0 to 1; `n_blocks_by_layers (zone, n_layers)` by layers below the surface, from 0; those of
-    `relief_by_zone`, by the estimator `paper` those of `thickness_spectra` instead; and those of
-    `surface_statistics`. Attributes are the counts `n_blocks`, `n_blocks_not_placed`,
-    `n_blocks_without_layers` and, of zones whose relief is that of all together,
-    `n_zones_of_all_relief`.
+def blocks_in_zones(summary, zone_edge_bins=None):
+    """`Blocks` of a merged summary.
 
     Zones hold equal numbers of blocks by mean thickness of slab 0 (Yari et al. 2021 have four and
     give no bounds), or lie between `zone_edge_bins (edge,)`. A block counts for the mean of a slab
     if half of its lines have both layers. One in which slab 0 is not picked is placed by its other
-    slabs, see `block_levels`; its layers are those down to the deepest slab known. A zone with
-    fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, relative to slab 0; a slab
-    with too few everywhere takes the one above. ValueError if no block has slab 0 picked in half of
-    its lines.
+    slabs, see `block_levels`; its layers are those down to the deepest slab known. ValueError if no
+    block has slab 0 picked in half of its lines.
     """
     depth_bins = in_blocks(summary, "depth_bins").swapaxes(1, 2)
     n_layers = depth_bins.shape[1]
@@ -58,39 +49,49 @@ def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     check_count(what, np.isfinite(mean[:, :1]).sum())
     level = block_levels(mean)
     placed = np.isfinite(level)
-    # Below the surface, down to the deepest slab known.
     n_below = np.where(np.isfinite(mean), np.arange(1, n_layers), 0).max(axis=1, initial=0)
-    attributes = {
+    if zone_edge_bins is None:
+        zone_edge_bins = np.quantile(level[placed], np.linspace(0, 1, N_ZONES + 1))
+    edges = np.asarray(zone_edge_bins, dtype=float)
+    zone = zone_of(level[placed], edges)
+    # The middle of a zone without blocks.
+    middle = pd.Series((edges[:-1] + edges[1:]) / 2)
+    typical = pd.Series(level[placed]).groupby(zone).mean().combine_first(middle).to_numpy()
+    counts = {
         "n_blocks": len(mean),
         "n_blocks_not_placed": int((~placed).sum()),
         "n_blocks_without_layers": int((n_below == 0).sum()),
     }
-    level, mean, depth_bins = level[placed], mean[placed], depth_bins[placed]
-    if zone_edge_bins is None:
-        zone_edge_bins = np.quantile(level, np.linspace(0, 1, N_ZONES + 1))
-    edges = np.asarray(zone_edge_bins, dtype=float)
-    zone = zone_of(level, edges)
-    # The middle of a zone without blocks.
-    middle = pd.Series((edges[:-1] + edges[1:]) / 2)
-    typical = pd.Series(level).groupby(zone).mean().combine_first(middle).to_numpy()
-    blocks = Blocks(mean, level, zone, typical)
-    by_layers = np.zeros((typical.size, n_layers), dtype=int)
-    np.add.at(by_layers, (zone, n_below[placed]), 1)
-    quantiles = np.quantile(level, np.linspace(0, 1, N_QUANTILES))
-    variables = moments_by_zone(blocks)
-    variables |= {
-        "zone_edge_bins": ("edge", edges),
+    return Blocks(
+        depth_bins=depth_bins[placed],
+        mean=mean[placed],
+        level=level[placed],
+        n_below=n_below[placed],
+        zone=zone,
+        zone_edge_bins=edges,
+        typical=typical,
+        counts=counts,
+    )
+
+
+def thickness_statistics(blocks):
+    """Statistics of mean thickness in `Blocks`: variables, name to (dimensions, values).
+
+    `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
+    `relative_thickness_mean`, `relative_thickness_variance`, `n_samples (zone, slab)` of block
+    means; `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1; `n_blocks_by_layers
+    (zone, n_layers)` by layers below the surface, from 0. A zone with fewer than `MINIMUM_BLOCKS`
+    of a slab takes that slab in all zones, relative to slab 0; a slab with too few everywhere takes
+    the one above.
+    """
+    by_layers = np.zeros((blocks.typical.size, blocks.depth_bins.shape[1]), dtype=int)
+    np.add.at(by_layers, (blocks.zone, blocks.n_below), 1)
+    quantiles = np.quantile(blocks.level, np.linspace(0, 1, N_QUANTILES))
+    return moments_by_zone(blocks) | {
+        "zone_edge_bins": ("edge", blocks.zone_edge_bins),
         "first_thickness_quantile_bins": ("quantile", quantiles),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
     }
-    if estimator == "paper":
-        variables |= thickness_spectra(np.diff(depth_bins, axis=1), blocks)
-    else:
-        spacing_m = float(np.median(summary["line_spacing_m"]))
-        relief, n_of_all = relief_by_zone(depth_bins, zone, typical.size, spacing_m)
-        variables |= relief
-        attributes["n_zones_of_all_relief"] = n_of_all
-    return variables | surface_statistics(summary), attributes
 
 
 def block_means(thickness):

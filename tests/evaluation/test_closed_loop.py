@@ -16,7 +16,7 @@ from evaluation.lib.closed_loop import (
 )
 from snowsim import statistics
 from snowsim.statistics import estimate, merge, summarise
-from snowsim.statistics.thickness import MINIMUM_BLOCKS
+from snowsim.statistics.summaries import MINIMUM_BLOCKS
 
 
 @pytest.fixture(scope="module")

@@ -22,6 +22,7 @@ from snowsim.statistics.relief import (
 from snowsim.statistics.thickness import (
     Blocks,
     block_levels,
+    blocks_in_zones,
     thickness_statistics,
 )
 
@@ -126,8 +127,8 @@ def of_level_slabs(mean, **settings):
     """Statistics of blocks of level slabs (block, slab)."""
     depth = np.cumsum(np.pad(mean, [(0, 0), (1, 0)]), axis=1)
     depth = np.repeat(depth[..., None], N_LINES, axis=2)
-    found, attributes = thickness_statistics(summary_of(depth), estimator="deblended", **settings)
-    return xr.Dataset(found, attrs=attributes)
+    blocks = blocks_in_zones(summary_of(depth), **settings)
+    return xr.Dataset(thickness_statistics(blocks), attrs=blocks.counts)
 
 
 def test_zones_are_quartiles_of_first_slab_block_means(rng):
@@ -171,18 +172,20 @@ def test_blocks_that_no_slab_places_are_counted_and_left_out(rng):
     depth = layers_of(rng.standard_normal((12, 4, N_LINES)), 0.0, 40.0)
     depth[0] = np.nan
     depth[:, 1, :128] = np.nan  # half of the lines are enough
-    found, attributes = thickness_statistics(summary_of(depth), estimator="deblended")
-    assert attributes["n_blocks_not_placed"] == attributes["n_blocks_without_layers"] == 1
-    assert found["n_blocks_by_layers"][1].sum() == 11
+    blocks = blocks_in_zones(summary_of(depth))
+    assert blocks.counts["n_blocks_not_placed"] == blocks.counts["n_blocks_without_layers"] == 1
+    assert thickness_statistics(blocks)["n_blocks_by_layers"][1].sum() == 11
     depth[:, 1, 128] = np.nan
     with refusal("zones need slab 0 picked in half of a block"):
-        thickness_statistics(summary_of(depth), estimator="deblended")
+        blocks_in_zones(summary_of(depth))
 
 
 def spectra_of_one_zone(thickness):
     """Spectra of blocks that all lie in the second of two zones, and numbers of samples."""
     n = len(thickness)
-    blocks = Blocks(None, np.full(n, 40.0), np.ones(n, int), np.array([20.0, 40.0]))
+    unused = dict.fromkeys(("depth_bins", "mean", "n_below", "zone_edge_bins", "counts"))
+    zones = {"zone": np.ones(n, int), "typical": np.array([20.0, 40.0])}
+    blocks = Blocks(level=np.full(n, 40.0), **zones, **unused)
     return thickness_spectra(thickness, blocks)["thickness_psd"][1]
 
 

@@ -10,7 +10,7 @@ from lib.placeholder_frames import METRES_PER_DEGREE, placeholder_frame
 from snowsim.labels import redress
 from snowsim.phy import render_echoes
 from snowsim.statistics import estimate, merge, summarise
-from snowsim.statistics.thickness import MINIMUM_BLOCKS
+from snowsim.statistics.summaries import MINIMUM_BLOCKS
 
 logger = logging.getLogger("snowsim")
 
