@@ -12,8 +12,8 @@ N_WEIGHTS = 5  # [range bins] of the filter
 TEXTURE_LINES, TEXTURE_BINS = 2.5, 6.0
 UNIT = 10.0  # of its size, which is then as large as the weights of the filter, and learns as fast
 # Between which pixels covariances are compared.
-DISTANCES = (1, 2, 4, 16, 48)  # [range lines]
-LAGS = (0, 1, 2, 3, 4, 8, 16, 32)  # [range bins]
+GRAIN_DISTANCES = (1, 2, 4, 16, 48)  # [range lines]
+GRAIN_LAGS = (0, 1, 2, 3, 4, 8, 16, 32)  # [range bins]
 
 
 class Grain(nn.Module):
@@ -59,8 +59,8 @@ class Grain(nn.Module):
 
         Both (patch, 1, range_bin, range_line). A sum of squares, in units of the variance.
         """
-        lags = [lag for lag in LAGS if lag < lacking.shape[2]]
-        distances = [distance for distance in DISTANCES if distance < lacking.shape[3]]
+        lags = [lag for lag in GRAIN_LAGS if lag < lacking.shape[2]]
+        distances = [distance for distance in GRAIN_DISTANCES if distance < lacking.shape[3]]
         found = change_covariance(lacking, is_snow, lags, distances)
         unit = found[0, 0].clamp(min=1e-6)  # a crop may lack snow
         error = self.covariance(lags, distances) - found

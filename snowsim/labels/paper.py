@@ -9,7 +9,7 @@ from snowsim.labels.scene import notes_of
 from snowsim.labels.undulations import layers_below, mirrored
 from snowsim.limits import check_count, check_statistics
 
-LAYERS = (5, 40)  # fewest and most below the surface
+FEWEST_AND_MOST_LAYERS = (5, 40)  # fewest and most below the surface
 N_LOOKS = 100.0
 # Bounds of every layer's Gaussian [bins^2], which section III measures as 1/e widths.
 VARIANCE_BINS2 = (10.0, 15.0)
@@ -32,7 +32,7 @@ def draw_paper_scene(statistics, n_range_lines, *, name, rng):
     relative_mean = values_of(statistics, "relative_thickness_mean", ("zone", "slab"))
     relative_variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))
     psd = values_of(statistics, "thickness_psd", ("zone", "slab", "wavenumber"))
-    n_layers = int(rng.integers(*LAYERS, endpoint=True))
+    n_layers = int(rng.integers(*FEWEST_AND_MOST_LAYERS, endpoint=True))
     first_bins = float(rng.uniform(edges[0], edges[-1]))
     zone = int(zone_of(first_bins, edges))
     slab = np.minimum(np.arange(n_layers), psd.shape[1] - 1)

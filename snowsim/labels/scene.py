@@ -19,28 +19,30 @@ from snowsim.labels.undulations import (
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.seeding import generator
 
-RELIEF = (
+RELIEF_STATISTICS = (
     "relief_variance_bins2",
     "relief_length_m",
     "relief_exponent",
     "slab_change_bins2",
     "slab_exponent",
 )
-SURFACE = (
+SURFACE_STATISTICS = (
     "surface_error_bins",
     "surface_error_length_m",
     "surface_movement_bins",
     "surface_movement_length_m",
 )
 # Flight statistics that scenes are drawn from, with their dimensions.
-NEEDED = {
+DRAWN_FROM = {
     "n_blocks_by_layers": ("zone", "n_layers"),
     "zone_edge_bins": ("edge",),
     "first_thickness_quantile_bins": ("quantile",),
     "relative_thickness_mean": ("zone", "slab"),
     "relative_thickness_variance": ("zone", "slab"),
 }
-NEEDED |= dict.fromkeys(RELIEF, ("zone",)) | dict.fromkeys(SURFACE, ()) | VARIES
+DRAWN_FROM |= (
+    dict.fromkeys(RELIEF_STATISTICS, ("zone",)) | dict.fromkeys(SURFACE_STATISTICS, ()) | VARIES
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,7 @@ class LabelModel:
 
     n_range_lines: int
     statistics: xr.Dataset
-    values: dict  # of `NEEDED`, and of gain from line to line, by name
+    values: dict  # of `DRAWN_FROM`, and of gain from line to line, by name
     nonstationary: Nonstationary
 
     @property
@@ -89,7 +91,7 @@ class LabelModel:
     def draw_surface(self, *, rng):
         """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves."""
         error_bins, error_length_m, movement_bins, movement_length_m = (
-            self.values[name] for name in SURFACE
+            self.values[name] for name in SURFACE_STATISTICS
         )
         slow = self._slow(error_bins, error_length_m, rng=rng)
         height = rng.uniform() + np.cumsum(self._slow(movement_bins, movement_length_m, rng=rng))
@@ -126,7 +128,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     """
     check_count("n_range_lines", n_range_lines, 2)
     check_statistics(statistics)
-    values = {name: values_of(statistics, name, dims) for name, dims in NEEDED.items()}
+    values = {name: values_of(statistics, name, dims) for name, dims in DRAWN_FROM.items()}
     # Statistics of images hold none.
     if "line_gain_spread_db" in statistics:
         values["line_gain_spread_db"] = values_of(statistics, "line_gain_spread_db")
@@ -204,7 +206,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     n_layers = model.draw_n_layers(zone, rng=rng)
     n_slabs = max(n_layers, 1)  # a scene without layers drops its only slab at the end
     mean = model.draw_means(zone, first_bins, n_slabs, rng=rng)
-    relief = {name: values[name][zone] for name in RELIEF}
+    relief = {name: values[name][zone] for name in RELIEF_STATISTICS}
     drawn = draw_undulations(relief, n_slabs, n_range_lines, model.spacing_m, rng=rng)
     drawn += mirrored(mean)[:, None]
     drawn, bent = model.nonstationary.bend(drawn, zone, rng=rng)

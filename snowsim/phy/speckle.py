@@ -17,9 +17,8 @@ LEAST_DENSITY = 1e-3  # of the spectrum, mean 1: an estimate may be negative, no
 N_FREQUENCIES = 1024
 LEAST_TAP = 1e-3  # smaller ones at the end are left out
 CELLS = 65536  # of normals that are drawn, one for each value of 16 random bits
-# Of the table of quantiles, in deviations of the normal.
-REACH = 8
-PER_UNIT = 256
+QUANTILE_REACH = 8  # half the width of the table of quantiles, in deviations of the normal
+PER_UNIT = 256  # values of that table in a deviation
 
 
 def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
@@ -147,11 +146,11 @@ def normal_cells():
 
 @lru_cache(maxsize=8)
 def normal_quantiles(n_looks):
-    """Quantile of Gamma(M) / M at evenly spaced normals from -`REACH` to `REACH`, float32.
+    """Quantiles of Gamma(M) / M at evenly spaced normals up to +-`QUANTILE_REACH`, float32.
 
     Linear between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
     """
-    normal = np.arange(-REACH * PER_UNIT, REACH * PER_UNIT + 1) / PER_UNIT
+    normal = np.arange(-QUANTILE_REACH * PER_UNIT, QUANTILE_REACH * PER_UNIT + 1) / PER_UNIT
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
     above = gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))
     return (np.where(normal < 0, below, above) / n_looks).astype(np.float32)

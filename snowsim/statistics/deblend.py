@@ -45,7 +45,7 @@ MOST_ROUNDS = 4  # of weighing residuals
 # A fit has settled when log decay, log variance and offset [bins] change by less than this: a
 # tenth of the smallest error allowed in them.
 SETTLED = 5e-3
-LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
+WAVEFORM_LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
 LEAST_ERRORS = 2.0  # standard errors that a mean power must reach
 
 
@@ -349,7 +349,7 @@ def _mean_waveforms(groups):
     """Mean of averaged lines about each layer's row, (layer, lag), 0 where there is none."""
     means = []
     for row, present in zip(groups.row.T, groups.present.T, strict=True):
-        first = np.rint(row[present]).astype(int) - FIRST_ROW + LAGS[0]
-        lines = rows_from(groups.power[present], first, LAGS.size)
+        first = np.rint(row[present]).astype(int) - FIRST_ROW + WAVEFORM_LAGS[0]
+        lines = rows_from(groups.power[present], first, WAVEFORM_LAGS.size)
         means.append(known_mean(lines.astype(float), axis=0))
     return np.nan_to_num(means)

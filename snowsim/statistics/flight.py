@@ -10,7 +10,7 @@ from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded
-from snowsim.statistics.deblend import LAGS, deblended_waveform
+from snowsim.statistics.deblend import WAVEFORM_LAGS, deblended_waveform
 from snowsim.statistics.groups import Groups
 from snowsim.statistics.paper import measure_groups, paper_waveform, thickness_spectra
 from snowsim.statistics.radiometry import LAW_FALLS, radiometry
@@ -171,7 +171,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     of_thickness, counts = thickness_by_zone(summary, estimator, zone_edge_bins)
     varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
     variables |= {"noise_power": groups.noise_power} | of_looks | of_thickness | dict(varies)
-    coords = {"lag": LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
+    coords = {"lag": WAVEFORM_LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
     coords["wavenumber"] = np.fft.rfftfreq(BLOCK_LINES)
     attrs = {
         "content": STATISTICS_CONTENT,

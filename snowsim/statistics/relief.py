@@ -15,7 +15,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from snowsim.constants import KILOMETRE
 from snowsim.statistics.summaries import MINIMUM_BLOCKS, in_blocks, known_mean
 
-LAGS = 2 ** np.arange(8)  # [range lines]
+CHANGE_LAGS = 2 ** np.arange(8)  # [range lines]
 # [range lines] Layers are averaged, as picks are whole bins and stray: of smooth planted layers in
 # whole bins .7 to 1.1 of their change over 4 to 64 lines comes back, without averaging .6 to .9; of
 # rough ones .4 to .8 over 4 lines, .1 to .5 over one.
@@ -49,12 +49,12 @@ def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
         if np.isnan(change[TELLING]):
             change = mean_square_changes(depth_bins)
             n_of_all += 1
-        fits.append(fit_relief(change, LAGS * spacing_m))
+        fits.append(fit_relief(change, CHANGE_LAGS * spacing_m))
     return {name: ("zone", [fit[name] for fit in fits]) for name in fits[0]}, n_of_all
 
 
 def mean_square_changes(depth_bins):
-    """S_n(h) at `LAGS`, (apart, lag), NaN where it is not known.
+    """S_n(h) at `CHANGE_LAGS`, (apart, lag), NaN where it is not known.
 
     Layers are (block, layer, range_line). Changes are between lines without a gap of picks: behind
     a gap, a few in a hundred follow another layer. The estimate is robust, as errors of picks have
@@ -63,11 +63,11 @@ def mean_square_changes(depth_bins):
     distances do not change, as of picks in whole bins; below that, rounded layers give .6 to 1.2 of
     what they change by.
     """
-    change = np.full((MOST_APART, LAGS.size), np.nan)
+    change = np.full((MOST_APART, CHANGE_LAGS.size), np.nan)
     for apart in range(1, min(MOST_APART + 1, depth_bins.shape[1])):
         distance = depth_bins[:, apart:] - depth_bins[:, :-apart]
         n_gaps = np.cumsum(np.isnan(distance), axis=2)
-        for i, lag in enumerate(LAGS):
+        for i, lag in enumerate(CHANGE_LAGS):
             root = np.sqrt(np.abs(distance[..., lag:] - distance[..., :-lag]))
             known = np.isfinite(root) & (n_gaps[..., lag:] == n_gaps[..., :-lag])
             enough = known.any(axis=(1, 2)).sum() >= MINIMUM_BLOCKS
@@ -127,9 +127,9 @@ def surface_statistics(summary):
     rows = in_blocks(summary, "surface_bins")
     movement, n_lines = _movement(rows[np.isfinite(rows).all(axis=1)])
     spacing_m = np.median(summary["line_spacing_m"])
-    change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in LAGS])
+    change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in CHANGE_LAGS])
     told = change > 0
-    shape = 2 * (1 - np.exp(-((LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
+    shape = 2 * (1 - np.exp(-((CHANGE_LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
     target = 1 - LEVELLED_CHANGE * (movement > 0) / change[told]
     square = np.maximum((shape**2).sum(axis=1), TINY)
     variance = np.maximum((shape * target).sum(axis=1), 0) / square

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import (
     DB_BELOW_NOISE_FLOOR,
     SURFACE_ROW,
@@ -24,7 +25,6 @@ from snowsim.frames import resample_range
 from snowsim.limits import check_count, check_values
 from snowsim.tracker.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
 
-BLOCK_LINES = 256  # of the benchmark's scenes, whose scale is that of a block
 # A line whose maximum exceeds that of the middle line by so much is saturated: it has no say in the
 # scale.
 SATURATED_DB = 10.0

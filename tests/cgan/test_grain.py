@@ -6,7 +6,14 @@ import torch
 from numpy.testing import assert_allclose
 from scipy.ndimage import convolve1d
 
-from snowsim.cgan.grain import DISTANCES, LAGS, Grain, change_covariance, correlated, third_moment
+from snowsim.cgan.grain import (
+    GRAIN_DISTANCES,
+    GRAIN_LAGS,
+    Grain,
+    change_covariance,
+    correlated,
+    third_moment,
+)
 from snowsim.cgan.networks import initialise
 
 SIZE = (200, 200)
@@ -37,8 +44,8 @@ def test_covariance_in_snow_and_air_and_third_moment_are_what_the_weights_say(gr
     is_snow = held(n_air=50)
     images = torch.cat([drawn(grain, is_snow, rng=rng) for _ in range(60)])
     is_snow = is_snow.expand(images.shape)
-    expected = grain.covariance(LAGS, DISTANCES).detach()
-    found = change_covariance(images, is_snow, LAGS, DISTANCES)
+    expected = grain.covariance(GRAIN_LAGS, GRAIN_DISTANCES).detach()
+    found = change_covariance(images, is_snow, GRAIN_LAGS, GRAIN_DISTANCES)
     # 60 images of 150 x 200 pixels, of which one in 500 is independent: 2 percent; allow three.
     assert_allclose(found, expected, atol=0.06 * float(expected.max()))
     # Skewness of 1,800,000 numbers, one in ten independent, is known to sqrt(6 / 180000).
@@ -51,8 +58,8 @@ def test_covariance_in_snow_and_air_and_third_moment_are_what_the_weights_say(gr
     in_air = torch.zeros_like(is_snow)
     in_air[:, :, 2:48] = True
     grain.size.data.zero_()
-    expected = grain.covariance(LAGS[:5], DISTANCES).detach()
-    found = change_covariance(images, in_air, LAGS[:5], DISTANCES)
+    expected = grain.covariance(GRAIN_LAGS[:5], GRAIN_DISTANCES).detach()
+    found = change_covariance(images, in_air, GRAIN_LAGS[:5], GRAIN_DISTANCES)
     assert_allclose(found, expected, atol=0.02 * float(expected.max()))
 
 
@@ -89,8 +96,8 @@ def test_it_learns_textures_that_are_not_its_own(rng):
         grain.mismatch(many[step % len(many)][None], is_snow).backward()
         adam.step()
     is_snow = is_snow.expand(many.shape)
-    found = change_covariance(many, is_snow, LAGS, DISTANCES)
-    learnt = grain.covariance(LAGS, DISTANCES).detach()
+    found = change_covariance(many, is_snow, GRAIN_LAGS, GRAIN_DISTANCES)
+    learnt = grain.covariance(GRAIN_LAGS, GRAIN_DISTANCES).detach()
     assert_allclose(learnt, found, atol=0.1 * float(found[0, 0]))
     third = float(third_moment(many, is_snow))
     assert_allclose(float(grain.third_moment().detach()), third, rtol=0.4)

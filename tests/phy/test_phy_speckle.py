@@ -5,7 +5,7 @@ from refusals import refusal
 from scipy.special import gammainc, ndtr
 
 from snowsim.phy import draw_speckle
-from snowsim.phy.speckle import METHODS, MOST_LAGS, REACH, normal_quantiles
+from snowsim.phy.speckle import METHODS, MOST_LAGS, QUANTILE_REACH, normal_quantiles
 
 # A Hann window at 0.58 and 0.31 of its resolution, a slow decay, one that turns negative, one lag
 # far off, and one that no process has.
@@ -30,7 +30,7 @@ def correlated(shape, n_looks, correlation, rng):
 )
 def test_quantiles_are_as_close_to_gamma_as_stated(n_looks, distance):
     quantile = normal_quantiles(float(n_looks)).astype(float)
-    normal = np.linspace(-REACH, REACH, quantile.size)
+    normal = np.linspace(-QUANTILE_REACH, QUANTILE_REACH, quantile.size)
     assert_allclose(gammainc(n_looks, n_looks * quantile), ndtr(normal), rtol=0, atol=distance)
 
 

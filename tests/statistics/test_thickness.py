@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from snowsim.statistics.paper import thickness_spectra
 from snowsim.statistics.relief import (
-    LAGS,
+    CHANGE_LAGS,
     fit_relief,
     mean_square_changes,
     relief_by_zone,
@@ -26,7 +26,7 @@ from snowsim.statistics.thickness import (
     thickness_statistics,
 )
 
-LAG_M = SPACING_M * LAGS
+LAG_M = SPACING_M * CHANGE_LAGS
 
 
 def summary_of(depth_bins, surface_bins=50.0):
@@ -67,8 +67,13 @@ def rough_layers(rng):
 @pytest.mark.parametrize(
     ("layers", "exponent", "truth", "change"),
     [
-        (planted_layers, (1.7, 2), 2 * 0.8**2 * (1 - np.exp(-((LAGS / 10) ** 2))), 0.01 * LAGS),
-        (rough_layers, (0.85, 1.15), 2 * (1 - 0.95**LAGS), None),
+        (
+            planted_layers,
+            (1.7, 2),
+            2 * 0.8**2 * (1 - np.exp(-((CHANGE_LAGS / 10) ** 2))),
+            0.01 * CHANGE_LAGS,
+        ),
+        (rough_layers, (0.85, 1.15), 2 * (1 - 0.95**CHANGE_LAGS), None),
     ],
 )
 def test_relief_of_layers_and_change_of_slabs_come_back(layers, exponent, truth, change, rng):
@@ -86,7 +91,7 @@ def test_picks_in_whole_bins_change_as_their_layers_do(rng):
     whole = np.rint(planted_layers(rng))
     relief, _ = relief_by_zone(whole, np.zeros(len(whole)), 1, SPACING_M)
     of_layer, of_slab = law({name: values[0] for name, (_, values) in relief.items()}, LAG_M)
-    truth = 4 * 0.8**2 * (1 - np.exp(-((LAGS / 10) ** 2))) + 0.01 * LAGS
+    truth = 4 * 0.8**2 * (1 - np.exp(-((CHANGE_LAGS / 10) ** 2))) + 0.01 * CHANGE_LAGS
     # Over 4 to 64 lines .73 to 1.11 in four seeds; unaveraged, .57 to .87.
     assert_allclose(((2 * of_layer + of_slab) / truth)[2:7], 0.92, rtol=0.25)
 

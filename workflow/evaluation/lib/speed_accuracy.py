@@ -30,7 +30,7 @@ from snowsim.phy.power import (
     power_of,
     table_power,
 )
-from snowsim.phy.speckle import REACH, normal_cells, normal_quantiles
+from snowsim.phy.speckle import QUANTILE_REACH, normal_cells, normal_quantiles
 
 N_LAYERS = 15
 N_RANGE_BINS = 256
@@ -137,7 +137,7 @@ def speckle_ways(rng):
 def quantile_distance(n_looks):
     """Largest distance of the distribution functions of speckle methods `quantile` and `gamma`."""
     table = normal_quantiles(float(n_looks))
-    normal = np.linspace(-REACH, REACH, table.size)
+    normal = np.linspace(-QUANTILE_REACH, QUANTILE_REACH, table.size)
     drawn = np.interp(normal_cells(), normal, table)
     exact = gammainc(n_looks, n_looks * drawn)
     above_start = exact - np.arange(drawn.size) / drawn.size
