@@ -170,14 +170,14 @@ def score_files(n_images=40):
     Reading, suppression, 99 thresholds, picks, bootstrap.
     """
     with tempfile.TemporaryDirectory() as folder:
-        maps, masks = Path(folder, "predictions/fuse"), Path(folder, "truth")
+        maps, masks = Path(folder, "predictions"), Path(folder, "truth")
         for image in range(n_images):
             prediction, truth = draw_map(
                 (300, 256), 4 + image % 30, rng=random_stream(0, "files", image)
             )
             write_image(maps / f"data_{image:03d}.png", (255 * prediction).astype(np.uint8))
             write_image(masks / f"layer_binary_{image:03d}.png", truth)
-        return cpu_seconds(score_folders, maps.parent, masks) / n_images
+        return cpu_seconds(score_folders, maps, masks) / n_images
 
 
 def first_calls():

@@ -14,7 +14,6 @@ from types import SimpleNamespace
 import click
 
 from snowsim import __version__
-from snowsim.constants import OUTPUTS
 
 EXISTING = click.Path(exists=True, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -206,9 +205,6 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
 @click.argument("predictions", type=EXISTING)
 @click.argument("truth", type=EXISTING)
 @click.option(
-    "--output", type=click.Choice(OUTPUTS), help="Output of the published predictor; default: fuse."
-)
-@click.option(
     "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
 )
 @click.option(
@@ -217,18 +213,12 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
     default="quantiles",
     help="Quantiles of the maps, or .01 to .99 as the published code has them.",
 )
-@click.option(
-    "--matched-only", is_flag=True, help="Leave truth without a prediction out of the scores."
-)
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
 @click.option(
     "--tolerance",
     type=NOT_NEGATIVE,
     default=0.0075,
     help="Largest distance of a match, as a share of the diagonal.",
-)
-@click.option(
-    "--tolerance-bins", type=NOT_NEGATIVE, help="Largest distance of a match in pixels instead."
 )
 @click.option(
     "--max-distance-bins",
@@ -251,24 +241,23 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
 @click.option("-j", "--processes", type=COUNT, default=1)
 @click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
 def score(predictions, truth, form, **settings):
-    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of
-    PNG, NPY or NetCDF files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins,
-    missed and false layers, of every image and, with 95 % intervals by the bootstrap over images,
-    of all.
+    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders or
+    two files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false
+    layers, of every image and, with 95 % intervals by the bootstrap over images, of all.
 
-    Maps are 8-bit, 16-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a
-    mask, layer numbers, or layers in range bins; where a prediction is missing, it counts as an
-    empty map. To data_NAME or NAME belongs layer_binary_NAME, layer_NAME, scene_NAME or NAME. The
-    published predictor's folder is taken as it stands. With --picks both may be layer files, such
-    as `snowsim track` writes.
+    Maps are 8-bit grey PNG images or .npy files of floats in [0, 1], bright on dark; they are
+    suppressed to ridges first. Truth is a mask or layer numbers (PNG, or .npy of whole numbers) or
+    layers in range bins (.npy of floats). A missing prediction counts as an empty map. The truth of
+    data_NAME or NAME is layer_binary_NAME, layer_NAME or NAME. With --picks both may be layer
+    files, such as `snowsim track` writes.
 
     \b
     Examples:
       snowsim score predictions/ test/
-      snowsim score predictions/ test/ --output side_3 -j 4 --format csv > side_3.csv
+      snowsim score predictions/fuse/ test/ -j 4 --format csv > fuse.csv
       snowsim score --picks my_layers/ test/ --within-bins 1
       snowsim score --picks picked/ annotated/ --bin-s 2.886e-10
-      snowsim score map.npy layers.npy --tolerance-bins 3
+      snowsim score map.npy layers.npy --tolerance 0.01
     """  # noqa: D205, D301
     from snowsim.scoring import score_folders
 

@@ -27,7 +27,6 @@ from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
 from snowsim.progress import shown
 from snowsim.tracker import pick_layers
 
-OPTIONAL = ("tolerance_bins", "bin_s")
 ABOVE_0 = ("max_distance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 # Largest difference between the times of a range line in two files.
@@ -47,13 +46,10 @@ def score_folders(
     predictions,
     truth,
     *,
-    output=None,
     picks=False,
     thresholds="quantiles",
-    matched_only=False,
     suppressed=False,
     tolerance=0.0075,
-    tolerance_bins=None,
     max_distance_bins=10.0,
     within_bins=2.0,
     n_bootstrap=1000,
@@ -66,26 +62,23 @@ def score_folders(
     Parameters
     ----------
     predictions, truth : path_like
-        Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1], 8-bit or
-        16-bit, layers bright; truth is a mask, layer numbers, or layers in range bins. Truth drawn
-        thicker than a pixel is thinned to the middle of its layers; truth without a prediction
-        counts as an empty map; predictions without a truth are left out. Of the published
-        predictor's folder, as it stands, the maps of `output` are scored, by default `fuse`.
+        Folders of files, or one file each. Edge maps are 8-bit grey PNG images or .npy files of
+        floats in [0, 1], layers bright. Truth is a mask or layer numbers, as PNG or as .npy of
+        whole numbers, or layers in range bins, as .npy of floats. Truth drawn thicker than a pixel
+        is thinned to the middle of its layers. Truth without a prediction counts as an empty map;
+        predictions without a truth are left out.
     picks : bool
-        Predictions are layers, not edge maps, in the forms of the truth, or both are layer files
-        as `snowsim.io.read_layers` takes them and `snowsim track` writes them; they have no edge
-        scores. Else picks are followed through the edge maps, at the threshold of the best F of
-        the set.
+        Predictions are layers, not edge maps. Both are labels as above, or both are layer files
+        that `snowsim.io.read_layers` reads, such as those of `snowsim track`. There are no edge
+        scores. Without `picks`, layers are followed through the edge maps, at the threshold of the
+        best F of the set.
     thresholds : {"quantiles", "published"}
         Edge maps are scored at `snowsim.metrics.edges.thresholds_of` all of them, so that their
         scale does not count; or as the published code does, at 0.01 to 0.99.
-    matched_only : bool
-        Leave truth without a prediction out.
     suppressed : bool
         Edge maps are thin already: no non-maximum suppression.
-    tolerance, tolerance_bins : float
-        Largest distance of a matched pair as a share of the image diagonal; or, where not None, in
-        pixels.
+    tolerance : float
+        Largest distance of a matched pair, as a share of the image diagonal.
     max_distance_bins, within_bins : float
         How far from a layer a pick may lie to be its own; which errors count as small [range bins].
     n_bootstrap, seed : int
@@ -125,7 +118,6 @@ def score_folders(
     """
     numbers = {
         "tolerance": tolerance,
-        "tolerance_bins": tolerance_bins,
         "max_distance_bins": max_distance_bins,
         "within_bins": within_bins,
         "n_bootstrap": n_bootstrap,
@@ -135,8 +127,7 @@ def score_folders(
     }
     _check_settings(thresholds, numbers)
     as_published = thresholds == "published"
-    truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
-    pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
+    pairs, left_out = pair_files(predictions, truth, picks=picks)
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 
@@ -148,13 +139,7 @@ def score_folders(
         if not picks:
             edges = partial(_edges, suppressed=suppressed, as_published=as_published)
             levels = THRESHOLDS if as_published else thresholds_of(each(_found, edges=edges))
-            counts = each(
-                _count,
-                edges=edges,
-                thresholds=levels,
-                max_dist=tolerance,
-                max_dist_pixels=tolerance_bins,
-            )
+            counts = each(_count, edges=edges, thresholds=levels, max_dist=tolerance)
             scored = partial(score, thresholds=levels, as_published=as_published)
             # Picks need a threshold below 1, which maps of one level do not have.
             threshold = min(scored(counts)["ods_threshold"], THRESHOLDS[-1])
@@ -172,7 +157,7 @@ def score_folders(
         raise refusal(truth, "truth", "at least one layer", "none")
     rng = np.random.default_rng(seed)
     table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
-    notes = _notes_of_pairs(truths, left_out, matched_only, without_layers, len(pairs))
+    notes = _notes_of_pairs(pairs, left_out, without_layers)
     if not picks:
         notes += _notes_of_maps(counts, names, table.iloc[-3])
     table.attrs["notes"] = notes
@@ -185,29 +170,22 @@ def _check_settings(thresholds, numbers):
     for name, value in numbers.items():
         if name in WHOLE:
             check_count(name, value, WHOLE[name])
-        elif value is not None or name not in OPTIONAL:
+        elif value is not None or name != "bin_s":
             check_values(name, value, 0, above=name in ABOVE_0, number=True)
 
 
-def _notes_of_pairs(truths, left_out, matched_only, without_layers, n_scored):
-    """What to know of the files of a set, in sentences."""
-    missing = [name for name, prediction, _ in truths if prediction is None]
-    n_paired = len(truths) - len(missing)
+def _notes_of_pairs(pairs, left_out, without_layers):
+    """Notes about files without a partner and about truths without a layer, in sentences."""
+    missing = [name for name, prediction, _ in pairs if prediction is None]
     notes = []
     if left_out:
-        n_made = n_paired + len(left_out)
-        notes.append(_note("predictions without a truth are left out", left_out, n_made))
-    if matched_only:
-        notes.append(
-            f"scored are {n_paired} of {len(truths)} truths, those with a prediction; left out: "
-            f"{listed(missing)}"
-        )
-    elif missing:
-        notes.append(_note("truths without a prediction count as empty maps", missing, len(truths)))
+        n_predictions = len(pairs) - len(missing) + len(left_out)
+        notes.append(_note("predictions without a truth are left out", left_out, n_predictions))
+    if missing:
+        notes.append(_note("truths without a prediction count as empty maps", missing, len(pairs)))
     if without_layers:
-        notes.append(
-            _note("in truths without a layer every prediction is false", without_layers, n_scored)
-        )
+        words = "in truths without a layer every prediction is false"
+        notes.append(_note(words, without_layers, len(pairs)))
     return notes
 
 
@@ -288,12 +266,12 @@ def _found(pair, *, edges):
     return found[found > 0]
 
 
-def _count(pair, *, edges, thresholds, **tolerance):
+def _count(pair, *, edges, thresholds, max_dist):
     """Counts of one image, with the thickness of its mask as drawn."""
     _, prediction, truth = pair
     image = _read_image(prediction, truth)
     found = edges(image.probability, prediction)
-    counts = match_counts(found, image.mask, thresholds, **tolerance, where=str(prediction))
+    counts = match_counts(found, image.mask, thresholds, max_dist=max_dist, where=str(prediction))
     return counts | {"thickness": image.thickness}
 
 

@@ -33,21 +33,21 @@ TRUTH[[10, 30]] = True
 def place(tmp_path, rng, monkeypatch):
     """Folder to work in, with an image's map, its truth, a scene set, and faulty files."""
     monkeypatch.chdir(tmp_path)
-    for folder in ("made/merge", "empty"):
-        Path(folder).mkdir(parents=True)
-    write_image("made/fuse/data_a.png", (255 * TRUTH).astype(np.uint8))
+    Path("empty").mkdir()
+    write_image("made/data_a.png", (255 * TRUTH).astype(np.uint8))
     write_image("true/layer_binary_a.png", TRUTH)
     arrays = {
         "nan": np.where(TRUTH, np.nan, 0),
-        "dim": TRUTH.astype(np.uint8),
-        "none": 0 * RAMP,
+        "none": 0 * TRUTH,
         "dark": 1.0 - TRUTH,
         "crossing": np.array([[9.0], [3.0]]) + np.zeros(20),
         "one": TRUTH.astype(float),
+        "true": TRUTH,
         "narrow": RAMP[:2, :9],
     }
     for name, values in arrays.items():
         np.save(f"{name}.npy", values)
+    write_image("dim.png", TRUTH.astype(np.uint8))
     write_scenes("scenes.nc", toy_scenes(2))
     for cut, whole in (("cut.npy", "one.npy"), ("cut.nc", "scenes.nc")):
         Path(cut).write_bytes(Path(whole).read_bytes()[:-1000])
@@ -61,31 +61,21 @@ def place(tmp_path, rng, monkeypatch):
     ("arguments", "code", "printed"),
     [
         ("score", 2, "Missing argument 'PREDICTIONS'"),
-        (
-            "score made true --output side_2",
-            1,
-            "a folder of one output (side_2), found none",
-        ),
-        ("score made/merge true", 1, "found pictures of several"),
         ("score made one.npy", 1, "one.npy: path: expected a folder of files whose names differ"),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy narrow.npy", 1, "one.npy: size: expected (50, 9) as narrow.npy has"),
+        ("score nan.npy true.npy", 1, "nan.npy: map: expected numbers in [0, 1], found nan"),
+        ("score dim.png true.npy", 1, "dim.png: map: expected 8-bit numbers up to 255"),
+        ("score dark.npy true.npy", 1, "dark.npy: expected bright layers on a dark ground"),
+        ("score cut.npy true.npy", 1, "cut.npy: NPY: expected a whole array of numbers"),
+        ("score scenes.nc true.npy", 1, "scenes.nc: format: expected .png or .npy, found .nc"),
+        ("score --picks crossing.npy true.npy", 1, "crossing.npy: layers must increase strictly"),
         (
-            "score nan.npy one.npy",
+            "score --picks narrow.npy true.npy",
             1,
-            "nan.npy: map: expected 8-bit numbers, or numbers in [0, 1], found nan",
+            "narrow.npy: size: expected 20 range lines of an image as true.npy has",
         ),
-        ("score dim.npy one.npy", 1, "dim.npy: map: expected 8-bit or 16-bit numbers up to 255"),
-        ("score dark.npy one.npy", 1, "dark.npy: expected bright layers on a dark ground"),
-        ("score cut.npy one.npy", 1, "cut.npy: NPY: expected a whole array of numbers"),
-        ("score scenes.nc one.npy", 1, "scenes.nc: variables: expected one of probability"),
-        ("score --picks crossing.npy one.npy", 1, "crossing.npy: layers must increase strictly"),
-        (
-            "score --picks narrow.npy one.npy",
-            1,
-            "narrow.npy: size: expected 20 range lines of an image as one.npy has",
-        ),
-        ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
+        ("score empty true", 1, "empty: pairs: expected files .png, .npy, each with"),
         ("info text.nc", 1, "text.nc: content: expected"),
         ("info empty", 1, "empty: scenes: expected files data_*.png"),
         ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
@@ -132,7 +122,7 @@ WRITING = [
 ]
 
 
-@pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", *WRITING])
+@pytest.mark.parametrize("arguments", ["score made true", "info made/data_a.png", *WRITING])
 def test_no_room_ends_in_one_line(place, rng, arguments):
     write_image(place / "frames/data_a.png", rng.integers(0, 256, size=(50, 20), dtype=np.uint8))
     write_image(place / "frames/layer_binary_a.png", TRUTH)
@@ -220,7 +210,7 @@ def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of
     (scene,) = PairSet("pairs")
     assert np.isfinite(scene.layer_bins).all()
     # What was exported is truth: of itself, without an error.
-    main(["score", "--picks", "datasets", "pairs", "--format", "csv"])
+    main(["score", "--picks", "pairs", "pairs", "--format", "csv"])
     assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
 
 

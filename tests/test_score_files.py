@@ -1,6 +1,6 @@
 """Scores of a tracker's files.
 
-The published layout, the reference's maps, every form of truth, planted errors.
+Every form of map and truth, formats that are refused, planted errors.
 """
 
 import json
@@ -18,7 +18,7 @@ from scipy.ndimage import binary_dilation
 from snowsim import score_folders
 from snowsim.cli import main
 from snowsim.echogram import layer_mask
-from snowsim.io import layer_numbers, write_dataset, write_image, write_layer_files
+from snowsim.io import layer_numbers, write_image, write_layer_files
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress, thresholds_of
 
 WAVE = np.round(6 * np.sin(np.arange(64) / 12))
@@ -28,9 +28,14 @@ MASK = layer_mask(LAYERS, N_BINS)
 
 
 def edge_map(offset_bins=0.0, layers=LAYERS):
-    """Ridges of 8 bits about layers moved down by some bins."""
+    """Ridges about layers moved down by some bins, in [0, 1], which 8 bits hold exactly."""
     away = np.arange(N_BINS)[:, None, None] - layers - offset_bins
-    return np.rint(250 * np.exp(-((away / 2) ** 2)).max(axis=1)).astype(np.uint8)
+    return np.rint(250 * np.exp(-((away / 2) ** 2)).max(axis=1)) / 255
+
+
+def write_map(path, probability):
+    """Write an edge map as an 8-bit grey PNG image."""
+    write_image(path, np.rint(255 * probability).astype(np.uint8))
 
 
 def of_files(tmp_path, made, true, **options):
@@ -43,34 +48,32 @@ def of_files(tmp_path, made, true, **options):
 
 @pytest.fixture
 def folders(tmp_path):
-    """Predictions as the published predictor leaves them, truth as the published benchmark does."""
+    """Maps of three images, a bin too deep, and the published benchmark's images and labels."""
     made, true = tmp_path / "made", tmp_path / "true"
     for number in range(3):
         name = f"20120429_01_{number:03d}.png"
-        for output, offset in (("fuse", 1), ("side_1", 4), ("merge", 0)):
-            write_image(made / output / f"data_{name}", edge_map(offset))
+        write_map(made / f"data_{name}", edge_map(1))
         write_image(true / f"layer_binary_{name}", MASK)
-        write_image(true / f"data_{name}", edge_map())
-    write_image(true / "layer_binary_20120429_01_999.png", MASK)  # a train scene: not predicted
+        write_map(true / f"data_{name}", edge_map())
     return made, true
 
 
-def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys):
-    command = [*map(str, ["score", *folders]), "--matched-only", "--bootstrap", "20"]
-    command += ["--thresholds", "published"]
+def test_the_command_prints_the_scores_of_every_image_and_of_all(folders, capsys):
+    command = [*map(str, ["score", *folders]), "--bootstrap", "20", "--thresholds", "published"]
     main([*command, "--format", "json"])
     printed = json.loads(capsys.readouterr().out)
-    assert printed["notes"][0].startswith("scored are 3 of 4 truths")
+    assert printed["notes"] == []
     names = [row["image"] for row in printed["images"]]
     assert names == ["20120429_01_000", "20120429_01_001", "20120429_01_002"]
-    counts = match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)
+    counts = match_counts(suppress(edge_map(1)), MASK, THRESHOLDS)
     chain = score([counts], THRESHOLDS)
     scores = {"ods": chain["ods"], "ap": chain["ap"], "share_within": 1, "n_missed_layers": 0}
     for name, value in (scores | {"n_false_layers": 0}).items():
         # JSON has ten decimals. Images that are all the same leave nothing to chance.
         assert_allclose([printed[row][name] for row in ("all", "low", "high")], value, atol=1e-10)
-    main([*command, "--output", "side_1", "--format", "csv"])
     # 4 bins off: beyond 0.0075 diagonals of 210 pixels.
+    write_map(folders[0] / "data_20120429_01_002.png", edge_map(4))
+    main([*command, "--format", "csv"])
     assert "20120429_01_002,0,0," in capsys.readouterr().out
 
 
@@ -79,9 +82,6 @@ def as_file(folder, form, layers):
     path = folder / form
     mask = layer_mask(layers, N_BINS)
     numbers, _ = layer_numbers(layers, N_BINS)
-    if path.suffix == ".nc":
-        write_dataset(path, xr.Dataset({"layer_bins": (("range_line", "layer"), layers.T)}))
-        return path
     values = {
         "layer_binary_x.png": mask,
         "x.png": mask,
@@ -90,7 +90,6 @@ def as_file(folder, form, layers):
         "grey.npy": 255 * mask.astype(np.uint8),
         "layers.npy": layers,
         "numbers.npy": numbers,
-        "floats.npy": numbers.astype(float),
     }
     folder.mkdir(exist_ok=True)
     write = np.save if path.suffix == ".npy" else write_image
@@ -102,21 +101,19 @@ FORMS = [
     "layer_binary_x.png",
     "x.png",
     "layer_x.png",
-    "scene_x.nc",
     "mask.npy",
     "grey.npy",
     "layers.npy",
     "numbers.npy",
-    "floats.npy",
 ]
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
     truth = as_file(tmp_path / "true", form, LAYERS)
-    np.save(tmp_path / "x.npy", edge_map(1) / 255)
+    np.save(tmp_path / "x.npy", edge_map(1))
     table = score_folders(tmp_path / "x.npy", truth, n_bootstrap=1)
-    edges = suppress(edge_map(1) / 255, added_curvature=0)
+    edges = suppress(edge_map(1), added_curvature=0)
     expected = score([match_counts(edges, MASK, thresholds_of([edges]))])
     for name in ("ods", "ap"):
         assert_allclose(table.loc[0, name], expected[name], rtol=1e-12)
@@ -130,11 +127,11 @@ def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
 
 def test_the_image_beside_a_map_is_not_taken_for_it(folders):
     made, true = folders
-    (made / "fuse").rename(true.with_name("maps"))
-    write_image(true.with_name("maps") / "20120429_01_000.png", edge_map())
-    table = score_folders(true.with_name("maps"), true, matched_only=True).set_index("image")
+    write_map(made / "20120429_01_000.png", edge_map(2))
+    table = score_folders(made, true).set_index("image")
     # Beside it lies data_20120429_01_000.png, a bin too deep.
-    assert table.loc["20120429_01_000", "mean_absolute_error_bins"] == 0
+    assert table.loc["20120429_01_000", "mean_absolute_error_bins"] == 2
+    assert table.loc["20120429_01_001", "mean_absolute_error_bins"] == 1
 
 
 def saved(folder, made):
@@ -182,18 +179,9 @@ def test_scores_do_not_rise_when_predictions_are_missing(ten, picks):
     assert found.loc["all", metric] < whole.loc["all", metric]
 
 
-def test_scores_of_matched_pairs_alone_say_so_first(ten, capsys):
-    (ten[0] / "1.npy").unlink()
-    said = "scored are 9 of 10 truths, those with a prediction; left out: 1\n"
-    for form in ("table", "csv"):
-        main([*map(str, ["score", *ten]), "--matched-only", "--bootstrap", "1", "--format", form])
-        out, err = capsys.readouterr()
-        assert (err if form == "csv" else out).startswith(said)
-
-
 def test_truth_without_a_layer_and_predictions_without_a_truth_are_named(ten):
     made, true = ten
-    np.save(true / "1.npy", np.zeros((N_BINS, 64)))
+    np.save(true / "1.npy", np.zeros((N_BINS, 64), dtype=bool))
     np.save(made / "extra.npy", edge_map(1))
     table = score_folders(made, true, n_bootstrap=1)
     assert table.attrs["notes"] == [
@@ -205,7 +193,7 @@ def test_truth_without_a_layer_and_predictions_without_a_truth_are_named(ten):
 
 
 def test_a_perfect_map_of_one_level_is_told_why_its_ap_is_0(tmp_path):
-    scores, (note,) = of_files(tmp_path, MASK, MASK, suppressed=True)
+    scores, (note,) = of_files(tmp_path, MASK.astype(float), MASK, suppressed=True)
     assert scores == [1, 0]
     assert note.startswith("ap is 0 because recall is the same at every threshold")
 
@@ -224,7 +212,7 @@ def test_truth_drawn_three_pixels_thick_scores_as_one_and_is_said_to_be_thinned(
 
 def test_a_tenth_of_a_map_scores_as_the_map_without_a_word(tmp_path):
     noise = np.random.default_rng(1).uniform(0, 0.3, MASK.shape)
-    whole = np.maximum(edge_map(1) / 255, noise)
+    whole = np.maximum(edge_map(1), noise)
     full, notes = of_files(tmp_path, whole, MASK)
     faint, of_faint = of_files(tmp_path, whole / 10, MASK)
     assert notes == of_faint == []
@@ -232,18 +220,65 @@ def test_a_tenth_of_a_map_scores_as_the_map_without_a_word(tmp_path):
     assert_allclose(faint, full, atol=1e-4)
 
 
-def test_grey_images_of_three_colours_or_16_bits_and_batches_of_one_score_as_the_map(tmp_path):
-    grey = edge_map(1)
-    forms = {"colours.png": np.dstack([grey] * 3), "bits.png": grey.astype(np.uint16) * 257}
-    for name, values in forms.items():
-        Image.fromarray(values).save(tmp_path / name)
-    np.save(tmp_path / "batch.npy", grey[None])
-    # Truth as people save it, too.
-    Image.fromarray(np.dstack([255 * MASK.astype(np.uint8)] * 3)).save(tmp_path / "true.png")
-    expected, _ = of_files(tmp_path, grey, MASK)
-    for name in (*forms, "batch.npy"):
-        found = score_folders(tmp_path / name, tmp_path / "true.png", n_bootstrap=1)
-        assert found.loc[0, ["ods", "ap"]].tolist() == expected
+def test_batches_of_one_score_as_the_map(tmp_path):
+    expected, _ = of_files(tmp_path, edge_map(1), MASK)
+    found, _ = of_files(tmp_path, edge_map(1)[None, None], MASK)
+    assert found == expected
+
+
+def grey_levels(probability, *, form):
+    """A picture of a form that is no 8-bit grey image."""
+    levels = np.rint(255 * probability).astype(np.uint8)
+    if form == "16 bits":
+        return Image.fromarray(levels.astype(np.uint16) * 257)
+    if form == "colours":
+        return Image.fromarray(np.dstack([levels] * 3))
+    return Image.fromarray(levels).convert({"alpha": "LA", "palette": "P"}[form])
+
+
+@pytest.mark.parametrize("form", ["16 bits", "colours", "alpha", "palette"])
+def test_pictures_that_are_no_8_bit_grey_are_refused_as_map_and_as_truth(tmp_path, form):
+    grey_levels(edge_map(1), form=form).save(tmp_path / "picture.png")
+    write_image(tmp_path / "grey.png", MASK)
+    write_map(tmp_path / "map.png", edge_map(1))
+    with refusal("picture.png: image: expected 8-bit grey, found mode"):
+        score_folders(tmp_path / "picture.png", tmp_path / "grey.png")
+    with refusal("picture.png: image: expected grey of 1 or 8 bits, found mode"):
+        score_folders(tmp_path / "map.png", tmp_path / "picture.png")
+
+
+def test_other_formats_are_refused_by_name(tmp_path, folders):
+    made, true = folders
+    Image.fromarray(np.zeros((N_BINS, 64), np.uint8)).save(tmp_path / "x.jpg")
+    (tmp_path / "x.jpg").rename(tmp_path / "jpeg.png")
+    (tmp_path / "x.nc").touch()
+    mask = true / "layer_binary_20120429_01_000.png"
+    for name, found in (("jpeg.png", "PNG, found JPEG"), ("x.nc", r"\.png or \.npy, found \.nc")):
+        with refusal(f"{name}: format: expected {found}"):
+            score_folders(tmp_path / name, mask)
+        with refusal(f"{name}: format: expected {found}"):
+            score_folders(tmp_path / name, mask, picks=name == "jpeg.png")
+    # In a folder: a file with the name of a pair. Others, such as lists of files, do not matter.
+    (true / "all.lst").touch()
+    (made / "20120429_01_001.txt").touch()
+    assert len(score_folders(made, true, n_bootstrap=1)) == 6
+    (made / "data_20120429_01_001.png").rename(made / "data_20120429_01_001.tif")
+    (made / "20120429_01_001.txt").unlink()
+    with refusal("data_20120429_01_001.tif: format: expected .png or .npy, found .tif"):
+        score_folders(made, true)
+
+
+@pytest.mark.parametrize(
+    ("made", "true", "message"),
+    [
+        (MASK, MASK, "made.npy: map: expected floats in .0, 1., or an 8-bit PNG image, found bool"),
+        (edge_map(), MASK.astype(float), "true.npy: labels: expected whole numbers"),
+        (edge_map(), LAYERS.astype(int), "range bins: floats., found 54 to 146"),
+    ],
+)
+def test_the_type_of_an_array_says_what_it_holds(tmp_path, made, true, message):
+    with refusal(message):
+        of_files(tmp_path, made, true)
 
 
 BIN_S = 2e-10

@@ -32,7 +32,7 @@ def describe(path):
     if path.is_dir() and not is_zarr(path):
         return _described_scenes("a folder of benchmark pairs", PairSet(path))
     if path.suffix == ".npy":
-        return _described("an array", _image(read_array(path)[1]))
+        return _described("an array", _image(read_array(path)))
     content = content_of(path)
     picture = picture_format(content)
     if picture:

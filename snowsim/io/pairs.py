@@ -33,8 +33,13 @@ MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pi
 BLURRED = "a JPEG image: its blocks of 8 pixels blur layers and speckle"
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
 ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
+GREY_LABELS = "grey of 1 or 8 bits"
 # As Pillow calls them.
-MODES = {"8-bit grey": ("L",), ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA")}
+MODES = {
+    "8-bit grey": ("L",),
+    GREY_LABELS: ("1", "L"),
+    ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA"),
+}
 
 
 def read_image(path, expected="8-bit grey", content=None):
