@@ -4,11 +4,9 @@ Only `snowsim.io` opens files, only `snowsim.tracker` knows how to pick: this jo
 """
 
 import os
-import re
 import warnings
 from dataclasses import dataclass, replace
 from functools import partial
-from numbers import Integral
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -17,8 +15,8 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8, named_frame
 from snowsim.io import echogram, read_echogram
-from snowsim.io.containers import opened
-from snowsim.io.files import content_of, library_errors, picture_format, refusal
+from snowsim.io.echograms import frame_in
+from snowsim.io.files import image_format_of, library_errors, refusal
 from snowsim.io.layers import (
     layer_numbers,
     refuse_existing,
@@ -42,17 +40,15 @@ from snowsim.tracker import (
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
 SURFACE_NAME = "surface"
-# Only such a name becomes a folder: attributes of a file may hold anything.
-SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
 # Frames of a segment follow one another where no more time lies between them, or no more range
 # lines would.
 PAUSE_S = 2.0
 PAUSE_LINES = 5
-# Decibels that an image's greys stand for where it does not tell: as many as make its darkest row
-# the noise floor, within limits.
+# Limits of the decibels that the greys of an image span where it does not say. Within them, the
+# span makes its darkest row the noise floor.
 CONTRASTS_DB = (20.0, 100.0)
 PICTURE_ENDINGS = (".png", ".jpg", ".jpeg")
-EDGE_ROWS = 24  # above the layers of a picture, and below them
+EDGE_ROWS = 24  # rows of a picture above its layers, and below them
 
 
 def list_pretrained():
@@ -128,7 +124,7 @@ class Tracker:
         reader should know is warned of, and stands in `attrs["notes"]`.
         """
         evidence = self.see(echogram)
-        _warn(evidence.canonical.notes)
+        _warn(evidence.notes)
         (layers,) = self.pick_together([evidence])
         return layers
 
@@ -145,7 +141,7 @@ class Tracker:
         for frame, layers in zip(evidence, found, strict=True):
             layers.coords["layer"] = _names(layers["layer"].values)
             layers.attrs["tracker"] = f"{self.card.name} {self.card.version}"
-            layers.attrs["notes"] = "; ".join(frame.canonical.notes)
+            layers.attrs["notes"] = "; ".join(frame.notes)
         return found
 
 
@@ -161,13 +157,19 @@ def _names(numbers):
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
-    """A file and what the tracker saw in it; an image has no segment, not all frames a number."""
+class _Frame:
+    """A file and what the tracker saw in it.
+
+    An image has no segment. `number` is None until `_by_segment` where the file has none. `gap`
+    tells why layers of the frame before it do not go on in it, None if they do or there is none.
+    """
 
     path: Path
-    evidence: object
     segment: str | None
     number: int | None
+    evidence: object
+    notes: tuple
+    gap: str | None = None
 
 
 def track_files(
@@ -219,29 +221,26 @@ def track_files(
     paths = [Path(path) for path in paths]
     _check_names(paths)
     folder = _made(folder)
-    named = {}
-    for path in paths:
-        segment, number = named_frame(path)
-        named.setdefault(segment, set()).add(number)
+    named = {path: named_frame(path) for path in paths}
     n_failed = 0
-    seen = []
+    frames = []
     progress = progress or partial(shown, unit="file")
     for path in progress(paths):
         try:
-            _check_outputs(path, folder, named, png, force)
-            frame = _see(tracker, path, bin_s, seen)
+            _check_outputs(path, named, folder, png, force)
+            frame = _load_and_detect(tracker, path, named[path], bin_s, frames)
         except (ValueError, OSError) as error:
             n_failed += 1
             say(f"error: {error}")
             continue
-        for note in frame.evidence.canonical.notes:
+        for note in frame.notes:
             say(f"{path}: {note}")
-        seen.append(frame)
-    for frames in _segments(_numbered(seen)):
+        frames.append(frame)
+    for segment in _by_segment(frames):
         try:
-            _write_segment(tracker, frames, folder, png, bin_s, force, say)
+            _track_segment(tracker, segment, folder, png, bin_s, force, say)
         except (ValueError, OSError) as error:
-            n_failed += len(frames)
+            n_failed += len(segment)
             say(f"error: {error}")
     return n_failed
 
@@ -267,72 +266,16 @@ def _made(folder):
         raise refusal(folder, "output", wanted, error.strerror) from error
 
 
-def _see(tracker, path, bin_s, seen):
-    """What the tracker sees in a file, and of which segment it is."""
-    echogram = _read(path, bin_s)
-    if echogram.attrs.get("source_format") == "image":
-        evidence = tracker.see(echogram, str(path))
-        if echogram.attrs["picture"] == "JPEG":
-            evidence.canonical.notes.append(BLURRED)
-        if _dark_on_bright(echogram):
-            note = "the picture is bright above and below: expected bright layers on a dark ground"
-            evidence.canonical.notes.append(note)
-        return _Seen(path, evidence, None, None)
-    segment, number = _frame_of(path, echogram)
-    for other in seen:
-        if number is not None and (other.segment, other.number) == (segment, number):
-            raise refusal(path, "frame", "one file of each", f"that of {other.path}")
-    return _Seen(path, tracker.see(echogram, str(path)), segment, number)
+def _check_outputs(path, named, folder, png, force):
+    """Refuse files that are there, and frames of a segment beside layer files of others of it.
 
-
-def _frame_of(path, echogram):
-    """Segment and number of the frame, by the file's name or what is in it; the number may be None.
-
-    Open Polar Radar's tools write `granule`, `segment_path` and `frame`.
+    `named` has segment and number of every file that is tracked, as its name tells them.
     """
-    for name in (path, str(echogram.attrs.get("granule", ""))):
-        segment, number = named_frame(name)
-        if segment is not None:
-            return segment, number
-    told = [str(echogram.attrs.get(name, "")) for name in ("day_seg", "segment_path")]
-    segment = told[0] or told[1]
-    if not segment:
-        day = str(echogram["slow_time"].values[0])[:10].replace("-", "")
-        return f"{day}_01", None
-    if not SEGMENT.fullmatch(segment):
-        raise refusal(path, "day_seg", "a segment such as 20120330_04", segment)
-    number = echogram.attrs.get("frame")
-    counted = isinstance(number, Integral) and 0 < number < 1000
-    return segment, int(number) if counted else None
-
-
-def _numbered(seen):
-    """The same, with numbers of frames that files do not tell: after the others, by time."""
-    last = {}
-    for frame in seen:
-        last[frame.segment] = max(last.get(frame.segment, 0), frame.number or 0)
-    numbers = {frame.path: frame.number for frame in seen}
-    for frame in sorted(seen, key=lambda each: _times(each)[0]):
-        if frame.segment is not None and frame.number is None:
-            last[frame.segment] += 1
-            numbers[frame.path] = last[frame.segment]
-    return [replace(frame, number=numbers[frame.path]) for frame in seen]
-
-
-def _outputs(path, folder, png):
-    """Files beside the layer files of a frame."""
-    paths = [folder / f"{path.stem}_layers.nc"]
-    if png:
-        paths.append(folder / f"{path.stem}_picks.png")
-    return paths
-
-
-def _check_outputs(path, folder, named, png, force):
-    """Refuse files that are there, and frames of a segment beside layer files of others of it."""
-    segment, _ = named_frame(path)
+    segment, _ = named[path]
     if segment is not None and path.suffix.lower() not in PICTURE_ENDINGS:
-        refuse_other_frames(folder, segment, named[segment])
-    for output in _outputs(path, folder, png):
+        numbers = [number for other, number in named.values() if other == segment]
+        refuse_other_frames(folder, segment, numbers)
+    for output in (_layers_file(folder, path), *([_picture_file(folder, path)] if png else [])):
         if output.exists() and folder.resolve() == path.resolve().parent:
             wanted = "none beside the input, also with force (give another folder)"
             raise refusal(output, "file", wanted, "one")
@@ -340,41 +283,109 @@ def _check_outputs(path, folder, named, png, force):
             refuse_existing(output)
 
 
-def _read(path, bin_s):
-    """Echogram dataset of a file, or of an image with `bin_s`."""
-    with library_errors(path):
-        content = content_of(path)
-        form = picture_format(content)
-        if form is None:
-            return read_echogram(opened(path, content))
+def _layers_file(folder, path):
+    """File of the layers of an input, beside the layer files of its segment."""
+    return folder / f"{path.stem}_layers.nc"
+
+
+def _picture_file(folder, path):
+    """File of the picks drawn on the echogram of an input."""
+    return folder / f"{path.stem}_picks.png"
+
+
+def _load_and_detect(tracker, path, named, bin_s, others):
+    """`_Frame` of a file; ValueError where it is the same frame as one of the `others`.
+
+    `named` are segment and number that its name tells, (None, None) if it tells none.
+    """
+    image_format = image_format_of(path)
+    if image_format is not None:
+        echogram = _image_as_echogram(path, bin_s)
+        evidence = tracker.see(echogram, str(path))
+        notes = list(evidence.notes)
+        if image_format == "JPEG":
+            notes.append(BLURRED)
+        row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
+        if min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db):
+            notes.append(
+                "the picture is bright above and below: expected bright layers on a dark ground"
+            )
+        return _Frame(path, None, None, evidence, tuple(notes))
+    echogram = read_echogram(path)
+    segment, number = named if named[0] else frame_in(echogram, path)
+    for other in others:
+        if number is not None and (other.segment, other.number) == (segment, number):
+            raise refusal(path, "frame", "one file of each", f"that of {other.path}")
+    evidence = tracker.see(echogram, str(path))
+    return _Frame(path, segment, number, evidence, evidence.notes)
+
+
+def _image_as_echogram(path, bin_s):
+    """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds."""
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
-    image, numbers = read_image(path, content=content)
+    image, numbers = read_image(path)
     floor_db = numbers.get("noise_floor_db", 0.0)
     darkest = image.mean(axis=1).min()
     contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
     power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
     power = (10 ** (power_db / 10)).astype(np.float32)
-    attributes = {"source_format": "image", "picture": form}
-    return echogram(power, twtt=bin_s * np.arange(len(power)), attrs=attributes)
+    twtt = bin_s * np.arange(len(power))
+    return echogram(power, twtt=twtt, attrs={"source_format": "image"})
 
 
-def _dark_on_bright(echogram):
-    """Whether a picture is brighter above and below its layers than among them."""
-    row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
-    return min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db)
+def _by_segment(frames):
+    """Frames of each segment in order of their numbers, list of lists; every image by itself.
 
-
-def _segments(seen):
-    """Frames by segment, in order; every image by itself."""
+    Frames whose files tell no number get one, after the others, by time.
+    """
     segments = {}
-    for frame in seen:
+    for frame in frames:
         segments.setdefault(frame.segment or ("image", frame.path), []).append(frame)
-    return [sorted(frames, key=lambda each: each.number or 0) for frames in segments.values()]
+    return [_numbered(of_segment) for of_segment in segments.values()]
 
 
-def _runs(frames, say):
-    """Frames of a segment in runs without a gap in number or time; the latter are said."""
+def _numbered(frames):
+    """Frames of a segment in order of their numbers; those without one come last, by time."""
+    known = [frame for frame in frames if frame.number is not None]
+    others = [frame for frame in frames if frame.number is None]
+    others.sort(key=lambda frame: frame.evidence.slow_time[0])
+    first = 1 + max((frame.number for frame in known), default=0)
+    added = [replace(frame, number=number) for number, frame in enumerate(others, first)]
+    return sorted(known, key=lambda frame: frame.number) + added
+
+
+def _track_segment(tracker, frames, folder, png, bin_s, force, say):
+    """Track the frames of a segment, or an image, and write their layers, and pictures of them."""
+    found = []
+    for run in _runs(frames):
+        if run[0].gap is not None:
+            say(f"{run[0].path}: {run[0].gap}")
+        layers_of_run = tracker.pick_together([frame.evidence for frame in run])
+        for frame, layers in zip(run, _renumbered(layers_of_run, found), strict=True):
+            notes = [*frame.notes, *([frame.gap] if frame.gap else [])]
+            found.append(layers.assign_attrs(notes="; ".join(notes)))
+    if frames[0].segment is not None:
+        by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
+        write_layer_files(folder, frames[0].segment, by_number, force=force)
+    written = []
+    for frame, layers in zip(frames, found, strict=True):
+        written.append(_with_what_was_picked(frame, layers, bin_s))
+        path = _layers_file(folder, frame.path)
+        write_layers(path, written[-1], force=force)
+        n_picks = int(np.isfinite(written[-1]["twtt"].values[1:]).sum())
+        say(f"{path}: {written[-1].sizes['layer'] - 1} layers below the surface, {n_picks} picks")
+    # Behind all files: no picture stops them.
+    for frame, layers in zip(frames, written, strict=True) if png else ():
+        _draw_picks(frame.path, layers, folder, bin_s)
+
+
+def _runs(frames):
+    """Frames of a segment in runs of those that follow one another, list of lists.
+
+    A run begins where a number is missing, or where time or averaging does not go on: then its
+    first frame holds why, as its `gap`.
+    """
     runs = []
     for frame in frames:
         last = runs[-1][-1] if runs else None
@@ -384,67 +395,63 @@ def _runs(frames, say):
         reason = _why_apart(last, frame)
         if reason is None:
             runs[-1].append(frame)
-            continue
-        note = f"not linked with frame {last.number}: {reason}"
-        frame.evidence.canonical.notes.append(note)
-        say(f"{frame.path}: {note}")
-        runs.append([frame])
+        else:
+            gap = f"not linked with frame {last.number}: {reason}"
+            runs.append([replace(frame, gap=gap)])
     return runs
 
 
 def _why_apart(last, frame):
     """Why the next frame does not go on where the last one ends, None if it does."""
-    pause_s = (_times(frame)[0] - _times(last)[-1]) / np.timedelta64(1, "s")
-    longest_s = max(PAUSE_S, PAUSE_LINES * _interval_s(last), PAUSE_LINES * _interval_s(frame))
+    before, after = last.evidence, frame.evidence
+    pause_s = (after.slow_time[0] - before.slow_time[-1]) / np.timedelta64(1, "s")
+    lines_s = PAUSE_LINES * max(_interval_s(before.slow_time), _interval_s(after.slow_time))
+    longest_s = max(PAUSE_S, lines_s)
     if pause_s <= 0:
         return f"it begins {-pause_s:.3g} s before that ends"
     if pause_s > longest_s:
         return f"it begins {pause_s:.3g} s after that ends, more than {longest_s:.3g} s"
-    own, others = (each.evidence.canonical.grid.n_averaged for each in (frame, last))
-    return None if own == others else f"of its range lines {own} are averaged, of that {others}"
+    if after.n_averaged == before.n_averaged:
+        return None
+    return f"of its range lines {after.n_averaged} are averaged, of that {before.n_averaged}"
 
 
-def _interval_s(frame):
+def _interval_s(slow_time):
     """Median time from a range line to the next [s], 0 for a single one."""
-    steps = np.diff(_times(frame)) / np.timedelta64(1, "s")
+    steps = np.diff(slow_time) / np.timedelta64(1, "s")
     return float(np.median(steps)) if steps.size else 0.0
 
 
-def _times(frame):
-    return frame.evidence.canonical.echogram["slow_time"].values
-
-
-def _write_segment(tracker, frames, folder, png, bin_s, force, say):
-    """Layers of all frames of a segment, or of an image, to files."""
-    found = []
-    for run in _runs(frames, say):
-        found.extend(_apart(found, tracker.pick_together([frame.evidence for frame in run])))
-    if frames[0].segment is not None:
-        by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
-        write_layer_files(folder, frames[0].segment, by_number, force=force)
-    to_draw = []
-    for frame, layers in zip(frames, found, strict=True):
-        picked = np.isfinite(layers["twtt"].values).any(axis=1)
-        picked[0] = True
-        layers = layers.isel(layer=picked)
-        path, *pictures = _outputs(frame.path, folder, png)
-        if frame.segment is None:
-            rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
-            layers = layers.assign(row=rows)
-            layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
-        else:
-            layers = layers.assign_attrs(granule=f"{frame.segment}_{frame.number:03d}")
-        write_layers(path, layers, force=force)
-        to_draw.extend((picture, layers, frame.path) for picture in pictures)
-        n_picks = int(np.isfinite(layers["twtt"].values[1:]).sum())
-        say(f"{path}: {layers.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
-    # Behind all files: no picture stops them.
-    for picture, layers, path in to_draw:
-        with library_errors(picture, "picture: expected layers that can be drawn"):
-            write_picture(picture, layers, [_read(path, bin_s)])
-
-
-def _apart(before, found):
-    """Layers of one run, named after those of the runs before it; the surface is one in all."""
+def _renumbered(layers_of_run, before):
+    """Layers of a run, numbered after those of the runs before it; all share the surface."""
     n_above = max((int(layer_numbers(layers).max()) for layers in before), default=0)
-    return [layers.assign_coords(layer=_names(layer_numbers(layers) + n_above)) for layers in found]
+    return [
+        layers.assign_coords(layer=_names(layer_numbers(layers) + n_above))
+        for layers in layers_of_run
+    ]
+
+
+def _with_what_was_picked(frame, layers, bin_s):
+    """The surface and the layers that have picks in a frame; of an image, rows beside times."""
+    picked = np.isfinite(layers["twtt"].values).any(axis=1)
+    picked[0] = True
+    layers = layers.isel(layer=picked)
+    if frame.segment is not None:
+        return layers.assign_attrs(granule=f"{frame.segment}_{frame.number:03d}")
+    rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
+    layers = layers.assign(row=rows)
+    layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
+    return layers
+
+
+def _draw_picks(path, layers, folder, bin_s):
+    """Draw the picks of a file on its echogram.
+
+    The file is read once more: what a picture shows depends on the picks, and samples of all frames
+    of a segment would not fit into memory while it is tracked.
+    """
+    picture = _picture_file(folder, path)
+    with library_errors(picture, "picture: expected layers that can be drawn"):
+        is_image = image_format_of(path) is not None
+        drawn_on = _image_as_echogram(path, bin_s) if is_image else read_echogram(path)
+        write_picture(picture, layers, [drawn_on])

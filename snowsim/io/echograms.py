@@ -1,6 +1,7 @@
 """Echograms of every format as Open Polar Radar datasets."""
 
 import re
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from snowsim.echogram import (
     UNITS,
     check_echogram,
     echogram_dataset,
+    named_frame,
 )
 from snowsim.frames import shifted
 from snowsim.io.containers import ECHOGRAMS, SUPPLEMENT_FLAGS, format_of, opened, read_values
@@ -25,6 +27,29 @@ LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
 # Parameters of a file that go with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
+# Only an attribute of this form becomes a folder: it may hold anything.
+SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
+
+
+def frame_in(echogram, path):
+    """Segment and number of a frame by the attributes of its echogram; the number may be None.
+
+    Open Polar Radar's tools write `granule`, or `segment_path` and `frame`. Without a segment, the
+    day is one. ValueError, in words about the file at `path`, for a segment that is none.
+    """
+    segment, number = named_frame(str(echogram.attrs.get("granule", "")))
+    if segment is not None:
+        return segment, number
+    told = [str(echogram.attrs.get(name, "")) for name in ("day_seg", "segment_path")]
+    segment = told[0] or told[1]
+    if not segment:
+        day = str(echogram["slow_time"].values[0])[:10].replace("-", "")
+        return f"{day}_01", None
+    if not SEGMENT.fullmatch(segment):
+        raise refusal(path, "day_seg", "a segment such as 20120330_04", segment)
+    number = echogram.attrs.get("frame")
+    counted = isinstance(number, Integral) and 0 < number < 1000
+    return segment, int(number) if counted else None
 
 
 def read_echogram(path, *, compensated=False, source=None):

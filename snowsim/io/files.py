@@ -18,6 +18,7 @@ OTHERS = {
     b"%pdf": "a PDF document",
     **dict.fromkeys((b"\x1f\x8b", b"pk\x03\x04"), "a packed file: unpack it first"),
 }
+HEAD_BYTES = 100  # by which content is known
 
 
 class BadFile(ValueError):
@@ -86,7 +87,7 @@ def content_of(path, most=-1):
         return b""
     with path.open("rb") as file:
         content = file.read(most)
-    head = content[:100].strip(b"\xef\xbb\xbf \t\r\n").lower()
+    head = content[:HEAD_BYTES].strip(b"\xef\xbb\xbf \t\r\n").lower()
     for start, what in OTHERS.items():
         if head.startswith(start):
             raise refusal(path, "content", "data", what)
@@ -96,6 +97,12 @@ def content_of(path, most=-1):
 def picture_format(content):
     """Which of `PICTURES` bytes are by their beginning, None for any other."""
     return next((name for name, start in PICTURES.items() if content.startswith(start)), None)
+
+
+def image_format_of(path):
+    """Which of `PICTURES` a file is by its beginning, None for any other."""
+    with library_errors(path):
+        return picture_format(content_of(path, HEAD_BYTES))
 
 
 # pandas and xarray are imported where they are used: every job starts with this module, and they

@@ -106,7 +106,7 @@ class Canonical:
     noise_floor_db: float
     maximum_db: float
     surface_db: np.ndarray
-    notes: list
+    notes: tuple
     outside: bool
 
     @property
@@ -150,13 +150,12 @@ def canonical(echogram, card, where="echogram"):
     n_known = np.isfinite(survey.surface).sum()
     check_count(f"{where}: range lines with 30 range bins or more of measured power", n_known)
     surface, reason = chosen_surface(given, survey.surface, survey.rise_share, n_bins)
-    if reason is not None:
-        notes.append(reason)
     noise_floor_db = float(np.nanmedian(survey.noise_floor_db))
     maximum_db = float(np.nanmedian(survey.maximum_db))
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
+    notes = tuple(note for note in (*notes, reason) if note is not None)
     surface_db = survey.largest_db
     return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes, outside)
 

@@ -94,6 +94,21 @@ class Evidence:
     surface: np.ndarray
     surface_excess: np.ndarray
 
+    @property
+    def slow_time(self):
+        """Times of the frame's own range lines [UTC], (range_line,)."""
+        return self.canonical.echogram["slow_time"].values
+
+    @property
+    def n_averaged(self):
+        """Own range lines in one of the image."""
+        return self.canonical.grid.n_averaged
+
+    @property
+    def notes(self):
+        """What a reader of the layers should know, tuple of lines."""
+        return self.canonical.notes
+
 
 def evidence_of(run, canonical, card):
     """`Evidence` of a canonical frame; `run` gives log-odds of a stack of inputs."""

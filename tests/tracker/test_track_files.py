@@ -205,7 +205,7 @@ def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
 ):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
     assert track(paths[:1]) == 0
-    monkeypatch.setattr("snowsim.tracking._see", None)  # it is not tracked
+    monkeypatch.setattr("snowsim.tracking._load_and_detect", None)  # it is not tracked
     assert track(paths[1:], force=True) == 1
     assert "track all frames of the segment at once, or to another folder" in lines[-1]
     assert f"found {paths[0].name}" in lines[-1]
