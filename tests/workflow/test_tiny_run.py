@@ -1,5 +1,6 @@
 """The tiny configuration through every rule: tables, figures, and a report that stands alone."""
 
+import html
 import re
 from xml.etree import ElementTree
 
@@ -38,6 +39,21 @@ def test_every_label_set_is_rendered_by_both_methods_at_its_own_height(tiny_run)
 def page(tiny_run):
     """Text of the report."""
     return (tiny_run / "results/report.html").read_text()
+
+
+def test_the_page_lists_every_rule_and_every_warning_of_the_logs(page, tiny_run):
+    for folder in (tiny_run / "results/benchmarks").iterdir():
+        if folder.name != "write_report":  # not over yet
+            assert f'<th scope="row">{folder.name}</th>' in page
+    warned = [
+        line.partition(" warning: ")[2]
+        for path in (tiny_run / "logs").rglob("*.log")
+        for line in path.read_text().splitlines()
+        if " warning: " in line
+    ]
+    assert any("layer" in line for line in warned)
+    for line in warned:
+        assert f"<td>{line}</td>" in html.unescape(page)
 
 
 def test_the_page_is_of_a_synthetic_flight_and_stands_alone(page):

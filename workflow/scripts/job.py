@@ -6,7 +6,9 @@ import logging
 import sys
 import time
 import traceback
+import warnings
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import psutil
@@ -18,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
 from lib.progress import progress  # noqa: E402, F401
+from snowsim.io.files import one_line  # noqa: E402
 
 logger = logging.getLogger("snowsim")
 
@@ -53,7 +56,9 @@ def job(snakemake):
     begin = time.perf_counter()
     try:
         check_memory(snakemake.resources.get("mem_mb", 0))
-        yield logger
+        with warnings.catch_warnings():
+            warnings.showwarning = partial(note_warning, snakemake.rule)
+            yield logger
     except (ValueError, OSError, FloatingPointError) as error:  # the last if a training diverged
         logger.error(traceback.format_exc())
         logger.error("error: %s", error)
@@ -65,6 +70,14 @@ def job(snakemake):
         logger.error("error: %s: %s", type(error).__name__, error)
         raise
     logger.info("done in %.1f s", time.perf_counter() - begin)
+
+
+def note_warning(rule, message, category, *place, **how):
+    """Write a warning to the log, where the report finds it, and to stderr."""
+    kind = "" if category is UserWarning else f"{category.__name__}: "
+    line = f"{kind}{one_line(message)}"
+    logger.warning("warning: %s", line)
+    tqdm.write(f"warning: {rule}: {line}", file=sys.stderr)
 
 
 def check_memory(mem_mb):

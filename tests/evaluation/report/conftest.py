@@ -55,8 +55,12 @@ def planted_page(planted_tables, paper, tmp_path_factory):
     images = pd.DataFrame(rows, columns=["scene", "method", "ssim", "psnr"])
     job = {"stage": "labels", "rule": "draw_labels", "s": 2.0, "max_rss": 512.0}
     config = {"seed": 7, "source": "reference", "phy": {"n_looks": 16}}
+    warned = pd.DataFrame(
+        {"Rule": ["draw_labels"], "Warning": ["9 of 40 lines <are> thin"], "Jobs": [2]}
+    )
+    jobs = pd.DataFrame([job])
     content = page_content(
-        planted_tables, paper, {}, pd.DataFrame([job]), config, "synthetic reference flight"
+        planted_tables, paper, {}, jobs, warned, config, "synthetic reference flight"
     )
     content["figures"] = figures_by_stage([folder / "wave.svg"], ["flight"], [caption])
     shown = gallery_of({"observed": scenes, "cgan": scenes, "phy": scenes}, images)

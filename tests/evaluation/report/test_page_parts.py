@@ -12,6 +12,7 @@ from evaluation.lib.report import (
     layer_lines,
     page_content,
     read_benchmarks,
+    read_warnings,
     recovered,
 )
 
@@ -37,7 +38,9 @@ def test_the_run_as_printed_stands_beside_a_run_without_measured_times(
 ):
     jobs = read_benchmarks(tmp_path, {})
     config = {"seed": 1, "source": "nsidc"}
-    content = page_content(planted_tables, paper, paper, jobs, config, "own data")
+    content = page_content(
+        planted_tables, paper, paper, jobs, read_warnings(tmp_path, {}), config, "own data"
+    )
     for row in [*content["table2"], *content["table3"]]:
         assert all(cell["printed"] == cell["paper"] for cell in row["cells"])
 
@@ -51,6 +54,7 @@ def test_the_page_shows_tables_figures_and_that_the_flight_is_synthetic(planted_
     assert cells["cGAN"] == ["0.80 [0.70, 0.90]"]
     assert cells["Label sets"] == ["1", "2 s", "100%", "0.5 GiB"]
     assert cells["phy.n_looks"] == ["16"]
+    assert cells["draw_labels"] == ["9 of 40 lines &lt;are&gt; thin", "2"]
     assert "<h3>The flight and its statistics</h3>" in text
     assert "A wave (paper, Fig. 6)." in text
 
@@ -76,6 +80,24 @@ def test_stages_cost_what_their_rules_cost(tmp_path):
     assert of_stages == [["Label sets", 2, "17 s", "100%", "0.5 GiB"]]
     plot, _ = costs(jobs, "rule").to_numpy().tolist()
     assert plot == ["plot", 1, "15 s", "88%", ""]
+
+
+def test_warnings_of_logs_are_listed_once_a_rule_with_the_number_of_jobs(tmp_path):
+    for name, lines in {
+        "draw.log": ["warning: thin layers", "done in 2 s", "warning: thin layers"],
+        "cut/train/0000.log": ["warning: thin layers", "warning: RuntimeWarning: divided by zero"],
+        "cut/test/0001.log": ["warning: thin layers"],
+        "as_printed/draw.log": ["warning: of another run"],
+    }.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(f"2026-01-02 03:04:05,678 {line}\n" for line in lines))
+    found = read_warnings(tmp_path, {"draw": "labels", "cut": "flight"})
+    assert found.to_numpy().tolist() == [
+        ["cut", "thin layers", 2],
+        ["cut", "RuntimeWarning: divided by zero", 1],
+        ["draw", "thin layers", 1],
+    ]
 
 
 def test_lines_break_where_a_layer_is_absent():

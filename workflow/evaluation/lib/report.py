@@ -2,6 +2,7 @@
 
 import base64
 import io
+import re
 from pathlib import Path
 
 import jinja2
@@ -31,14 +32,15 @@ LINE_STEP = 2  # range lines from one drawn point of a layer to the next
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
 MOST_BYTES = 400_000  # size from which on figures are embedded as compressed pixels
 GIBIBYTE_MB = 1024
+WARNED = re.compile(r"\S+ \S+ warning: (.*)")  # in a log, after date and time
 
 
-def page_content(tables, paper, printed, jobs, config, note):
+def page_content(tables, paper, printed, jobs, warned, config, note):
     """Content of the page's template by name, without figures and gallery.
 
     `tables` are those of this run, `paper` those of the paper, and `printed` those of the run as
     printed, empty without one; all are dicts by name. `jobs` has a row for each job with its rule
-    and stage.
+    and stage; `warned` is the table of `read_warnings`.
     """
     others = {"paper": paper, "printed": printed} if printed else {"paper": paper}
     table2 = {"ours": tables["table2"]}
@@ -60,6 +62,7 @@ def page_content(tables, paper, printed, jobs, config, note):
         "closed_loop": recovered(tables["closed_loop"]),
         "stage_costs": costs(jobs, "stage"),
         "rule_costs": costs(jobs, "rule"),
+        "warned": warned,
         "machine": describe_machine(),
         "versions": describe_versions(),
         "seed": config["seed"],
@@ -192,6 +195,18 @@ def read_benchmarks(folder, stages):
         rows += measured.assign(rule=rule, stage=stages.get(rule)).to_dict("records")
     jobs = pd.DataFrame(rows, columns=["stage", "rule", "s", "max_rss"])
     return jobs.dropna(subset="stage")
+
+
+def read_warnings(folder, rules):
+    """Table of what jobs of `rules` warned of in their logs, ``folder/rule...``, as texts."""
+    found = []
+    for path in sorted(Path(folder).rglob("*.log")):
+        rule = path.relative_to(folder).with_suffix("").parts[0]
+        for line in path.read_text(encoding="utf-8").splitlines() if rule in rules else []:
+            if text := WARNED.match(line):
+                found.append((rule, text[1], str(path)))
+    lines = pd.DataFrame(found, columns=["Rule", "Warning", "Jobs"]).drop_duplicates()
+    return lines.groupby(["Rule", "Warning"], sort=False)["Jobs"].size().reset_index()
 
 
 def costs(jobs, of):

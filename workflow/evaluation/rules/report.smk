@@ -1,5 +1,7 @@
 # One page that works offline, from the tables and figures of the default run.
 
+import re
+
 REPORT = "workflow/evaluation/report"
 TABLES = ["table2", "table3_intervals", "picks", "two_sample", "closed_loop"]
 # Figures of the default run, each once.
@@ -31,8 +33,12 @@ rule write_report:
         config=config,
         note=NOTE,
         figure_stages=[FIGURES[file] for file in SHOWN],
-        rule_stages={item.name: Path(item.snakefile).stem for item in workflow.rules},
+        # Rules of shards share logs and benchmarks under one name.
+        rule_stages={
+            re.sub(r"_\d{4}$", "", item.name): Path(item.snakefile).stem for item in workflow.rules
+        },
         benchmarks="results/benchmarks",
+        logs="logs",
         printed=finished(PRINTED_TABLES) if PRINTED_IS_MADE else {},
     message:
         "the report, one page"

@@ -10,6 +10,7 @@ from evaluation.lib.report import (
     gallery_of,
     page_content,
     read_benchmarks,
+    read_warnings,
     write_page,
 )
 from snowsim.io.files import read_dataset, read_table
@@ -35,6 +36,7 @@ with job(snakemake):
         paper=tables_by_name(checkout_files(snakemake.params.paper)),
         printed=tables_by_name(snakemake.params.printed),
         jobs=read_benchmarks(snakemake.params.benchmarks, snakemake.params.rule_stages),
+        warned=read_warnings(snakemake.params.logs, snakemake.params.rule_stages),
         config=config,
         note=snakemake.params.note,
     )
