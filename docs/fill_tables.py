@@ -25,7 +25,8 @@ from evaluation.lib.figures.style import name_of
 from evaluation.lib.flight_scores import PAIRS
 from evaluation.lib.report import distinguished, errors_of_picks, recovered
 from pretrained.card import commit_of
-from snowsim.echogram import SURFACE_ROW, layer_bins_of, to_db
+from snowsim.alignment import layer_bins_of
+from snowsim.echogram import SURFACE_ROW, to_db
 from snowsim.io import read_echogram
 from snowsim.io.scenes import SceneSet
 

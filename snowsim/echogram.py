@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from snowsim.constants import EARTH_RADIUS_M
-
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
 MINIMUM_ROWS = 300
@@ -38,7 +36,6 @@ INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 DEGREES = {"Latitude": 90, "Longitude": 360}
-FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 
 
 class Kind(IntEnum):
@@ -361,32 +358,6 @@ def from_uint8(image, noise_floor_db, maximum_db):
     return bottom_db + np.asarray(image, dtype=float) * ((maximum_db - bottom_db) / 255)
 
 
-def bin_size_s(echogram):
-    """Range bin of an echogram dataset in two-way travel time [s]."""
-    twtt = echogram["twtt"].values
-    return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
-
-
-def data_of(echogram):
-    """`Data` of an echogram dataset, (range_bin, range_line)."""
-    return echogram["Data"].transpose("twtt", "slow_time").values
-
-
-def levelled(power, first, n_rows):
-    """Power (range_bin, range_line) of so many bins of each line, from `first` (range_line,) down.
-
-    NaN where nothing was recorded.
-    """
-    n_bins = len(power)
-    dtype = np.result_type(power.dtype, np.float32)
-    rows = np.full((n_rows, first.size), np.nan, dtype)
-    starts = np.clip(-first, 0, n_rows)
-    stops = np.clip(n_bins - first, 0, n_rows)
-    for line, (top, start, stop) in enumerate(zip(first, starts, stops, strict=True)):
-        rows[start:stop, line] = power[start + top : stop + top, line]
-    return rows
-
-
 def check_echogram(echogram, where="echogram"):
     """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
 
@@ -439,74 +410,6 @@ def check_layers(layers, where="layers"):
     axes = ("layer", "slow_time")
     _check_variables(layers, dict.fromkeys(("twtt", "quality", "type"), axes), where)
     check_layer_bins(layers["twtt"].transpose(*axes).values, f"{where}: twtt")
-
-
-def layer_bins_of(layers, echogram):
-    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
-
-    ValueError unless both have the same range lines: nearer to their own than to others.
-    """
-    twtt = layers["twtt"].transpose("layer", "slow_time").values
-    theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
-    if theirs.size != ours.size:
-        msg = f"layers cover {theirs.size} range lines, the echogram {ours.size}"
-        raise ValueError(msg)
-    away = np.abs(theirs - ours)
-    if ours.size > 1 and (2 * away > np.median(np.diff(ours))).any():
-        line = int(away.argmax())
-        msg = (
-            f"layers: slow_time is not that of the echogram: range line {line} is at "
-            f"{theirs[line]}, the echogram's at {ours[line]}; "
-            "snowsim.frames.align_layers puts layers on its lines"
-        )
-        raise ValueError(msg)
-    return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
-
-
-def own_surface_bins(echogram):
-    """The echogram's own surface (range_line,) [range bins], NaN where it is not in the record."""
-    below_first_s = echogram["Surface"].values - echogram["twtt"].values[0]
-    return np.where(below_first_s >= 0, below_first_s, np.nan) / bin_size_s(echogram)
-
-
-def surface_away_bins(echogram, layers):
-    """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown.
-
-    Beyond `FAR_BINS` layer 0 may be another layer.
-    """
-    away = np.abs(layer_bins_of(layers, echogram)[0] - own_surface_bins(echogram))
-    return np.nanmedian(away) if np.isfinite(away).any() else np.nan
-
-
-def along_track_m(echogram):
-    """Distance of every range line from the first that has a position, (range_line,) [m].
-
-    On a sphere of 6371 km. Lines without a position lie evenly between those that have one; before
-    the first and after the last of them the distance is NaN.
-    """
-    positions = positions_of(echogram)
-    known = np.flatnonzero(np.isfinite(positions).all(axis=0))
-    along_m = np.full(positions.shape[1], np.nan)
-    if known.size == 0:
-        return along_m
-    steps_m = distance_m(positions[:, known[:-1]], positions[:, known[1:]])
-    inside = np.arange(known[0], known[-1] + 1)
-    along_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
-    return along_m
-
-
-def positions_of(dataset):
-    """Latitude and longitude of range lines, (2, range_line) [radian]."""
-    return np.radians([dataset[name].values for name in ("Latitude", "Longitude")])
-
-
-def distance_m(first, second):
-    """Distance of places from others, both of `positions_of`, on a sphere, (range_line,) [m]."""
-    half_chord = (
-        np.sin((second[0] - first[0]) / 2) ** 2
-        + np.cos(first[0]) * np.cos(second[0]) * np.sin((second[1] - first[1]) / 2) ** 2
-    )
-    return 2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord))
 
 
 def _check_variables(dataset, axes, where):

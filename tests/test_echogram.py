@@ -5,6 +5,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
 from snowsim import echogram as eg
+from snowsim.alignment import along_track_m
 
 
 def make_echogram(n_lines=6):
@@ -93,15 +94,15 @@ def test_distance_along_a_parallel_is_its_radius_times_angle():
     echogram["Latitude"][:] = 60
     echogram["Longitude"][:] = [-40, -39.98]
     # The great circle is shorter than the parallel by 4e-9.
-    assert_allclose(eg.along_track_m(echogram)[1], 6.371e6 / 2 * np.radians(0.02), rtol=1e-8)
+    assert_allclose(along_track_m(echogram)[1], 6.371e6 / 2 * np.radians(0.02), rtol=1e-8)
 
 
 def test_a_line_without_position_spoils_no_distance_but_its_own():
     echogram = make_echogram(n_lines=7)
     echogram["Latitude"][:] = 70 + 0.01 * np.arange(7)
-    whole_m = eg.along_track_m(echogram)
+    whole_m = along_track_m(echogram)
     echogram["Latitude"][[0, 3, 6]] = np.nan
-    distance_m = eg.along_track_m(echogram)
+    distance_m = along_track_m(echogram)
     assert np.isnan(distance_m[[0, 6]]).all()
     # From the first that is known; even steps are those of the whole, to some bits of 3 sums.
     assert_allclose(distance_m[1:6], whole_m[1:6] - whole_m[1], rtol=1e-9, atol=1e-6)

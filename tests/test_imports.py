@@ -10,7 +10,7 @@ PACKAGE = ROOT / "snowsim"
 CORE = {
     "constants",
     "echogram",
-    "frames",
+    "alignment",
     "limits",
     "patches",
     "progress",

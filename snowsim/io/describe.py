@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import bin_size_s
+from snowsim.alignment import bin_size_s
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format

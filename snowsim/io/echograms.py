@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from snowsim.alignment import shifted
 from snowsim.echogram import (
     ALONG_TRACK,
     MAXIMUM_BYTES,
@@ -15,7 +16,6 @@ from snowsim.echogram import (
     echogram_dataset,
     named_frame,
 )
-from snowsim.frames import shifted
 from snowsim.io.containers import ECHOGRAMS, SUPPLEMENT_FLAGS, format_of, opened, read_values
 from snowsim.io.files import library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times

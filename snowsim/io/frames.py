@@ -2,20 +2,20 @@
 
 import io
 import os
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from snowsim import frames
-from snowsim.echogram import (
-    FAR_BINS,
+from snowsim.alignment import (
+    FLAGGED,
+    FLAGGED_BY,
     bin_size_s,
-    check_choice,
-    check_layers,
-    surface_away_bins,
+    count_flagged,
+    cut_blocks,
+    join,
 )
+from snowsim.echogram import check_choice, check_layers
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
@@ -133,7 +133,7 @@ def _summary(row, echogram, layers, *, blocks):
     """One frame's values for the columns that `check_frames` adds."""
     cuts_blocks = blocks and row.role != "statistics"
     scenes, skipped = scenes_of_frame(row, echogram, layers) if cuts_blocks else ([], {})
-    n_flagged_lines, flags = frames.count_flagged(echogram)
+    n_flagged_lines, flags = count_flagged(echogram)
     return {
         "frame": row.frame,
         "n_range_lines": echogram.sizes["slow_time"],
@@ -142,7 +142,7 @@ def _summary(row, echogram, layers, *, blocks):
         "bin_size_s": bin_size_s(echogram),
         "n_scenes": len(scenes),
         "n_skipped": len(skipped),
-        "n_flagged_blocks": sum(reason.endswith(frames.FLAGGED) for reason in skipped.values()),
+        "n_flagged_blocks": sum(reason.endswith(FLAGGED) for reason in skipped.values()),
         "n_flagged_lines": n_flagged_lines,
         "flags": flags,
     }
@@ -150,7 +150,7 @@ def _summary(row, echogram, layers, *, blocks):
 
 def scenes_of_frame(row, echogram, layers):
     """Scenes of a frame, and why its other blocks were skipped; ValueError if no scene is left."""
-    scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
+    scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
         found = f"none in {echogram.sizes['slow_time']} range lines ({one_line(reasons, 200)})"
@@ -164,18 +164,18 @@ def read_frame(
     bin_s=None,
     flattening="surface",
     layer_names=None,
-    flagged_by=frames.FLAGGED_BY,
+    flagged_by=FLAGGED_BY,
     source=None,
 ):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
     `row` has the attributes `echogram` and `layers`, as rows of `table.itertuples()` have. The
     echogram is resampled to range bins of `bin_s` [s], by default its own, and levelled by
-    `flattening` ("surface", "elevation", "none": see `snowsim.frames.flatten`). `layer_names` lists
-    layers from the surface down; layer i is then the same one in all frames, NaN in a frame without
-    it. By default all layers with picks are taken. `flagged_by` names flags of the supplement;
-    range lines with one of these lose their power and picks. `source` is the format that the
-    echogram must have ("nsidc", "cresis", "opr"); by default any.
+    `flattening` ("surface", "elevation", "none": see `snowsim.alignment.flatten`). `layer_names`
+    lists layers from the surface down; layer i is then the same one in all frames, NaN in a frame
+    without it. By default all layers with picks are taken. `flagged_by` names flags of the
+    supplement; range lines with one of these lose their power and picks. `source` is the format
+    that the echogram must have ("nsidc", "cresis", "opr"); by default any.
 
     Echogram and layers come on the same range lines, with the snow surface as layer 0, and with
     `flagged (slow_time)` where the echogram has flags. ValueError if a file is damaged; if layers
@@ -187,23 +187,15 @@ def read_frame(
     echogram = read_echogram(row.echogram, source=source)
     layers = _layers_from_surface(row.layers, layer_names)
     _check_clock(row.layers, layers, echogram)
-    layers = frames.align_layers(layers, echogram, where=str(row.layers))
-    away_bins = surface_away_bins(echogram, layers)
-    if away_bins > FAR_BINS:
-        msg = (
-            f"{row.layers}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
-            "Surface in the median: is it the snow surface?"
-        )
-        warnings.warn(msg, UserWarning, stacklevel=2)
-    # Before levelling: a flagged line must not decide where the surface lies.
-    echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
-    n_flagged, flags = frames.count_flagged(echogram)
-    if n_flagged == echogram.sizes["slow_time"]:
-        found = f"all {n_flagged} flagged ({flags})"
-        raise refusal(row.echogram, "quality_mask", "a range line without a flag", found)
-    if bin_s is not None:
-        echogram = frames.resample_range(echogram, bin_s)
-    return frames.flatten(echogram, layers, method=flattening)
+    return join(
+        echogram,
+        layers,
+        echogram_name=row.echogram,
+        layers_name=row.layers,
+        flagged_by=flagged_by,
+        bin_s=bin_s,
+        flattening=flattening,
+    )
 
 
 def _layers_from_surface(path, layer_names):

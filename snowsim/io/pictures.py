@@ -3,8 +3,9 @@
 import numpy as np
 import xarray as xr
 
+from snowsim.alignment import along_track_m
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, to_db
+from snowsim.echogram import to_db
 from snowsim.io.files import written_whole
 
 NEEDED = "pictures need matplotlib: pip install 'snowsim[plot]'"

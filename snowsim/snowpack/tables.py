@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from snowsim.alignment import along_track_m
 from snowsim.constants import KILOMETRE
-from snowsim.echogram import along_track_m
 
 PIECE_M = 500.0  # length of a line on a map
 # Columns of the table for a GIS, after frame, time, position and year.

@@ -5,8 +5,9 @@ import warnings
 import numpy as np
 import xarray as xr
 
+from snowsim.alignment import FAR_BINS, surface_away_bins
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
-from snowsim.echogram import FAR_BINS, check_choice, surface_away_bins
+from snowsim.echogram import check_choice
 from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.seeding import rounded

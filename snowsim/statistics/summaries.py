@@ -8,15 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from snowsim.alignment import along_track_m, bin_size_s, data_of, layer_bins_of
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import (
-    along_track_m,
-    bin_size_s,
-    check_echogram,
-    check_layers,
-    data_of,
-    layer_bins_of,
-)
+from snowsim.echogram import check_echogram, check_layers
 from snowsim.limits import check_content, check_count
 
 # Blocks in which a distance is known over a lag, or the mean of a slab. With fewer a variance has a

@@ -10,18 +10,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from snowsim.alignment import along_track_m, bin_size_s, levelled, resample_range
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import (
-    DB_BELOW_NOISE_FLOOR,
-    SURFACE_ROW,
-    along_track_m,
-    bin_size_s,
-    check_echogram,
-    levelled,
-    to_db,
-    to_grey,
-)
-from snowsim.frames import resample_range
+from snowsim.echogram import DB_BELOW_NOISE_FLOOR, SURFACE_ROW, check_echogram, to_db, to_grey
 from snowsim.limits import check_count, check_values
 from snowsim.tracker.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
 

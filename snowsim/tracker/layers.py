@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from scipy.special import expit
 
+from snowsim.alignment import FLAGGED_BY, flagged_lines
 from snowsim.echogram import check_layers, crossing_layers
-from snowsim.frames import FLAGGED_BY, flagged_lines
 from snowsim.tracker.linking import LINKING
 
 GOOD, MODERATE, BAD = 1, 2, 3

@@ -9,7 +9,7 @@ from formats import failures
 from numpy.testing import assert_allclose
 from refusals import refusal
 
-from snowsim.echogram import bin_size_s, layer_bins_of
+from snowsim.alignment import bin_size_s, layer_bins_of
 from snowsim.io import check_frames, each_frame, read_frame, read_frames
 
 LAYERS = formats.LAYERS_FILE

@@ -7,7 +7,7 @@ from refusals import refusal
 from runs import CONFIG
 
 from lib.configuration import read_schema
-from snowsim.frames import FLAGGED_BY
+from snowsim.alignment import FLAGGED_BY
 from snowsim.io import check_frames, read_frame
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 

@@ -12,8 +12,8 @@ from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
-from snowsim.echogram import bin_size_s, check_echogram, to_db
-from snowsim.frames import flagged_lines
+from snowsim.alignment import bin_size_s, flagged_lines
+from snowsim.echogram import check_echogram, to_db
 from snowsim.io import echogram as echogram_of
 from snowsim.io import read_echogram, write_dataset
 from snowsim.io.describe import describe

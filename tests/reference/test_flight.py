@@ -8,8 +8,9 @@ from reference import draw_complex_segment, draw_frame
 from reference.column import reflectivity, surface_reflectivity
 from reference.echo import draw_echo, draw_layering, draw_stretch
 from reference.radar import range_response
+from snowsim.alignment import along_track_m, bin_size_s, layer_bins_of
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.echogram import check_echogram, check_layers
 from snowsim.snowpack import firn
 
 

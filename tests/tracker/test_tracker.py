@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_layers import BIN_S, NAMES, SURFACE_BIN, planted, ridge_weights, write_weights
 from refusals import refusal
 
-from snowsim.echogram import bin_size_s, check_layers
+from snowsim.alignment import bin_size_s
+from snowsim.echogram import check_layers
 from snowsim.io import read_echogram
 from snowsim.snowpack import Climate, simulate
 from snowsim.tracker import deepest_row

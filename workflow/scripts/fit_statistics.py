@@ -2,7 +2,7 @@
 
 from job import job
 
-from snowsim.echogram import bin_size_s
+from snowsim.alignment import bin_size_s
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.statistics import doppler_spectra, estimate, merge, warn_of_little
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 from job import job
 
+from snowsim.alignment import count_flagged
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
-from snowsim.frames import count_flagged
 from snowsim.io.files import write_dataset
 from snowsim.io.frames import read_frame
 

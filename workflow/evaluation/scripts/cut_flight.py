@@ -4,7 +4,7 @@ from pathlib import Path
 
 from main_path import job
 
-from snowsim.frames import cut_blocks
+from snowsim.alignment import cut_blocks
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import write_scenes
 

@@ -10,7 +10,8 @@ from evaluation.lib.figures.style import (
     new_figure,
     new_panel,
 )
-from snowsim.echogram import layer_bins_of, to_db
+from snowsim.alignment import layer_bins_of
+from snowsim.echogram import to_db
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 
 SHOWN_PERCENT = (0.5, 99.9)  # percentiles of power that are black and white

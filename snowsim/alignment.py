@@ -1,29 +1,21 @@
-"""Observed frames made comparable, and cut into scenes.
+"""Echograms and their layers on common axes: joined, resampled, level, and cut into scenes.
 
-Layers on the lines of the echogram, flagged lines out, one bin size, level, blocks of 256.
+`join` puts the layers on the range lines of their echogram and checks both clocks. What comes later
+takes an echogram and layers that were joined.
 """
+
+import warnings
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import (
-    SURFACE_ROW,
-    Scene,
-    bin_size_s,
-    check_choice,
-    data_of,
-    distance_m,
-    layer_bins_of,
-    levelled,
-    positions_of,
-    scene_height,
-    to_uint8,
-)
+from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M, SPEED_OF_LIGHT_M_S
+from snowsim.echogram import SURFACE_ROW, Scene, check_choice, scene_height, to_uint8
 
 OVERLAP_LINES = 6  # of blocks
 FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
+FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
 FAR_M = 500.0  # so far from the echogram's, lines are others: an aircraft flies it in some seconds
 REACH = 1.5  # of a line of a layer file, in its median spacings
 # Times of one range line in two files differ by rounding: most of it, in those spacings.
@@ -42,6 +34,141 @@ FLAGGED_BY = (
     "no_good_data",  # not to be trusted
     "unclassified_artifact",  # not to be trusted
 )
+
+
+def bin_size_s(echogram):
+    """Range bin of an echogram dataset in two-way travel time [s]."""
+    twtt = echogram["twtt"].values
+    return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
+
+
+def data_of(echogram):
+    """`Data` of an echogram dataset, (range_bin, range_line)."""
+    return echogram["Data"].transpose("twtt", "slow_time").values
+
+
+def levelled(power, first, n_rows):
+    """Power (range_bin, range_line) of so many bins of each line, from `first` (range_line,) down.
+
+    NaN where nothing was recorded.
+    """
+    n_bins = len(power)
+    dtype = np.result_type(power.dtype, np.float32)
+    rows = np.full((n_rows, first.size), np.nan, dtype)
+    starts = np.clip(-first, 0, n_rows)
+    stops = np.clip(n_bins - first, 0, n_rows)
+    for line, (top, start, stop) in enumerate(zip(first, starts, stops, strict=True)):
+        rows[start:stop, line] = power[start + top : stop + top, line]
+    return rows
+
+
+def layer_bins_of(layers, echogram):
+    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
+
+    ValueError unless both have the same range lines: nearer to their own than to others.
+    """
+    twtt = layers["twtt"].transpose("layer", "slow_time").values
+    theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
+    if theirs.size != ours.size:
+        msg = f"layers cover {theirs.size} range lines, the echogram {ours.size}"
+        raise ValueError(msg)
+    away = np.abs(theirs - ours)
+    if ours.size > 1 and (2 * away > np.median(np.diff(ours))).any():
+        line = int(away.argmax())
+        msg = (
+            f"layers: slow_time is not that of the echogram: range line {line} is at "
+            f"{theirs[line]}, the echogram's at {ours[line]}; "
+            "snowsim.alignment.align_layers puts layers on its lines"
+        )
+        raise ValueError(msg)
+    return range_bins(twtt, echogram)
+
+
+def range_bins(twtt, echogram):
+    """Two-way travel times [s] as fractional range bins of an echogram."""
+    return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
+
+
+def surface_away_bins(echogram, layers):
+    """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown.
+
+    Beyond `FAR_BINS` layer 0 may be another layer.
+    """
+    own = range_bins(echogram["Surface"].values, echogram)
+    own[~(own >= 0)] = np.nan  # above the record
+    away = np.abs(range_bins(layers["twtt"].isel(layer=0).values, echogram) - own)
+    return np.nanmedian(away) if np.isfinite(away).any() else np.nan
+
+
+def along_track_m(echogram):
+    """Distance of every range line from the first that has a position, (range_line,) [m].
+
+    On a sphere of 6371 km. Lines without a position lie evenly between those that have one; before
+    the first and after the last of them the distance is NaN.
+    """
+    positions = positions_of(echogram)
+    known = np.flatnonzero(np.isfinite(positions).all(axis=0))
+    along_m = np.full(positions.shape[1], np.nan)
+    if known.size == 0:
+        return along_m
+    steps_m = distance_m(positions[:, known[:-1]], positions[:, known[1:]])
+    inside = np.arange(known[0], known[-1] + 1)
+    along_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
+    return along_m
+
+
+def positions_of(dataset):
+    """Latitude and longitude of range lines, (2, range_line) [radian]."""
+    return np.radians([dataset[name].values for name in ("Latitude", "Longitude")])
+
+
+def distance_m(first, second):
+    """Distance of places from others, both of `positions_of`, on a sphere, (range_line,) [m]."""
+    half_chord = (
+        np.sin((second[0] - first[0]) / 2) ** 2
+        + np.cos(first[0]) * np.cos(second[0]) * np.sin((second[1] - first[1]) / 2) ** 2
+    )
+    return 2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord))
+
+
+def join(
+    echogram,
+    layers,
+    *,
+    echogram_name="echogram",
+    layers_name="layers",
+    flagged_by=FLAGGED_BY,
+    bin_s=None,
+    flattening="surface",
+):
+    """Echogram and layers of one frame on the same range lines, for statistics and blocks.
+
+    The layers are put on the echogram's lines (`align_layers`), flagged lines lose their power and
+    picks (`leave_out_flagged`), range bins become `bin_s` long (`resample_range`; by default they
+    stay), and the frame is levelled (`flatten`). Messages use the two names. ValueError if a step
+    refuses the frame, or if all range lines are flagged. Warns if layer 0 is far from the
+    echogram's surface.
+    """
+    layers = align_layers(layers, echogram, where=layers_name)
+    away_bins = surface_away_bins(echogram, layers)
+    if away_bins > FAR_BINS:
+        msg = (
+            f"{layers_name}: layer 0 lies {away_bins:.0f} range bins from the echogram's "
+            "Surface in the median: is it the snow surface?"
+        )
+        warnings.warn(msg, UserWarning, stacklevel=3)
+    # Before levelling: a flagged line must not decide where the surface lies.
+    echogram, layers = leave_out_flagged(echogram, layers, flags=flagged_by)
+    n_flagged, flags = count_flagged(echogram)
+    if n_flagged == echogram.sizes["slow_time"]:
+        msg = (
+            f"{echogram_name}: quality_mask: expected a range line without a flag, "
+            f"found all {n_flagged} flagged ({flags})"
+        )
+        raise ValueError(msg)
+    if bin_s is not None:
+        echogram = resample_range(echogram, bin_s)
+    return flatten(echogram, layers, method=flattening)
 
 
 def align_layers(layers, echogram, where="layers"):
@@ -126,7 +253,7 @@ def flatten(echogram, layers, *, method="surface"):
         return echogram, layers
     bin_s = bin_size_s(echogram)
     if method == "surface":
-        bins = layer_bins_of(layers, echogram)[0]
+        bins = range_bins(layers["twtt"].isel(layer=0).values, echogram)
     else:
         bins = echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s)
     if not np.isfinite(bins).any():

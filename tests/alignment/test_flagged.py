@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from test_cut_blocks import make_level_frame
 
-from snowsim.frames import count_flagged, flatten, leave_out_flagged
+from snowsim.alignment import count_flagged, flatten, leave_out_flagged
 from snowsim.statistics import summarise
 
 N_LINES = 1024

@@ -4,9 +4,9 @@ from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
+from snowsim.alignment import align_layers, flatten, layer_bins_of, resample_range
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import check_echogram, check_layers, layer_bins_of
-from snowsim.frames import align_layers, flatten, resample_range
+from snowsim.echogram import check_echogram, check_layers
 
 SWELL = 60 + 10 * np.sin(np.arange(60) / 9)
 

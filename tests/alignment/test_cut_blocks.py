@@ -5,14 +5,8 @@ from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lib.placeholder_frames import frame_of_scene
-from snowsim.echogram import (
-    along_track_m,
-    bin_size_s,
-    from_uint8,
-    layer_bins_of,
-    to_uint8,
-)
-from snowsim.frames import cut_blocks
+from snowsim.alignment import along_track_m, bin_size_s, cut_blocks, layer_bins_of
+from snowsim.echogram import from_uint8, to_uint8
 
 
 def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=(0, 30, 90)):
