@@ -1,4 +1,20 @@
-"""Files of every format, opened once: their format, names of their variables, their values."""
+"""Files of every format, opened once; and the contract of the readers that stand on this.
+
+What comes in: the path of a file or Zarr store, or the `Stored` that `opened` gave of it, so that a
+file whose format was looked up is not read twice. The format follows from the content, by the names
+of its variables (`FORMATS`), never from the file's name.
+
+What comes out: an `xarray.Dataset` in memory, in the Open Polar Radar convention. `read_echogram`
+returns what `snowsim.echogram.check_echogram` accepts, `read_layers` what `check_layers` accepts:
+UTC in `slow_time`, seconds in `twtt`, linear power in `Data`, NaN where nothing was recorded or
+picked.
+
+Errors: a ValueError of one line, ``file: variable: expected ..., found ...``, whatever library
+raised it (`one_line_errors`). A file that can be read but is doubtful gives a `UserWarning`.
+
+`read_echogram` and `read_layers` are the doors. Behind them one function reads each format: it
+takes a `Stored` whose variables `format_of` found complete, and leaves errors to its door.
+"""
 
 import math
 import re
@@ -6,7 +22,7 @@ import struct
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, wraps
 from io import BytesIO
 from pathlib import Path
 
@@ -21,7 +37,6 @@ from snowsim.echogram import MAXIMUM_BYTES
 from snowsim.io.files import (
     content_of,
     library_errors,
-    listed,
     picture_format,
     refusal,
     write_bytes,
@@ -106,6 +121,22 @@ class Stored:
     read: Callable
 
 
+def one_line_errors(expected="expected a whole file"):
+    """Decorator of a function of a path or `Stored`: what it raises is one line with the path."""
+
+    def decorated(read):
+        @wraps(read)
+        def read_or_refuse(path, *args, **options):
+            where = path.path if isinstance(path, Stored) else Path(path)
+            with library_errors(where, expected):
+                return read(path, *args, **options)
+
+        return read_or_refuse
+
+    return decorated
+
+
+@one_line_errors(f"content: expected {KINDS}")
 def opened(path, content=None):
     """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds, `Stored`.
 
@@ -114,35 +145,35 @@ def opened(path, content=None):
     if isinstance(path, Stored):
         return path
     path = Path(path)
-    with library_errors(path, f"content: expected {KINDS}"):
-        if path.is_dir():
-            return _labelled(path, path, engine="zarr", consolidated=False)
-        content = content_of(path) if content is None else content
-        if content.startswith(NETCDF3):
-            # Not by netCDF4: of 400 damaged files 3 never ended there.
-            return _labelled(path, BytesIO(content), engine="scipy")
-        if content.startswith(HDF5):
-            check_heaps(content)
-            file = netCDF4.Dataset(path.name, memory=content)
-            # As it is declared: xarray reads coordinates when it opens a file.
-            held = file.variables.values()
-            sizes = [each.size * getattr(each.dtype, "itemsize", 8) for each in held]
-            if sum(sizes) > MAXIMUM_BYTES:
-                raise refusal(path, "variables", MOST, sum(sizes))
-            # The engine is named, or xarray looks for the packages of all.
-            return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
-        if content[USER_BLOCK_BYTES:].startswith(HDF5):
-            check_heaps(content)
-            # Not by a file of Python: where an error keeps it, HDF5 closes it after Python ended.
-            file = h5py.File.in_memory(content)
-            return Stored(path, frozenset(file), partial(_read_mat73, file))
-        if content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES] not in BYTE_ORDERS:
-            picture = picture_format(content)
-            found = f"a {picture} image" if picture else f"{len(content)} other bytes"
-            raise refusal(path, "content", KINDS, found)
-        file = BytesIO(content)
-        shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
-        return Stored(path, frozenset(shapes), partial(_read_mat5, file, shapes))
+    content = content_of(path) if content is None else content
+    picture = picture_format(content)
+    if picture:
+        raise refusal(path, "content", KINDS, f"a {picture} image")
+    if path.is_dir():
+        return _labelled(path, path, engine="zarr", consolidated=False)
+    if content.startswith(NETCDF3):
+        # Not by netCDF4: of 400 damaged files 3 never ended there.
+        return _labelled(path, BytesIO(content), engine="scipy")
+    if content.startswith(HDF5):
+        check_heaps(content)
+        file = netCDF4.Dataset(path.name, memory=content)
+        # As it is declared: xarray reads coordinates when it opens a file.
+        held = file.variables.values()
+        sizes = [each.size * getattr(each.dtype, "itemsize", 8) for each in held]
+        if sum(sizes) > MAXIMUM_BYTES:
+            raise refusal(path, "variables", MOST, sum(sizes))
+        # The engine is named, or xarray looks for the packages of all.
+        return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
+    if content[USER_BLOCK_BYTES:].startswith(HDF5):
+        check_heaps(content)
+        # Not by a file of Python: where an error keeps it, HDF5 closes it after Python ended.
+        file = h5py.File.in_memory(content)
+        return Stored(path, frozenset(file), partial(_read_mat73, file))
+    if content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES] not in BYTE_ORDERS:
+        raise refusal(path, "content", KINDS, f"{len(content)} other bytes")
+    file = BytesIO(content)
+    shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
+    return Stored(path, frozenset(shapes), partial(_read_mat5, file, shapes))
 
 
 def format_of(stored, kinds=FORMATS):
@@ -155,15 +186,16 @@ def format_of(stored, kinds=FORMATS):
         names = names | {"GPS_time"}  # what older files have in its place
     share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
     kind = max(share, key=share.get)
+    found = ", ".join(sorted(names)) or "none"
     if share[kind] < SMALLEST_SHARE:
-        raise refusal(stored.path, "variables", "those of an echogram or of layers", listed(names))
+        raise refusal(stored.path, "variables", "those of an echogram or of layers", found)
     if kind not in kinds:
         expected = " or ".join(in_words(kind) for kind in kinds)
         raise refusal(stored.path, "format", expected, in_words(kind))
     needed = FORMATS[kind][1]
     missing = ", ".join(name for name in needed if name not in names)
     if missing and kind in (*ECHOGRAMS, *LAYERS):
-        raise refusal(stored.path, missing, f"variables {', '.join(needed)}", listed(names))
+        raise refusal(stored.path, missing, f"variables {', '.join(needed)}", found)
     return kind
 
 
@@ -172,10 +204,10 @@ def in_words(kind):
     return FORMATS[kind][0]
 
 
+@one_line_errors()
 def read_values(path, names=None):
-    """What `Stored.read` gives of a file."""
-    with library_errors(path):
-        return opened(path).read(names)
+    """Variables of a file as `Stored.read` gives them."""
+    return opened(path).read(names)
 
 
 def check_heaps(content):

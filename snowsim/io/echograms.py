@@ -1,4 +1,4 @@
-"""Echograms of every format as Open Polar Radar datasets."""
+"""Echograms of every format as Open Polar Radar datasets; contract: `snowsim.io.containers`."""
 
 import re
 from numbers import Integral
@@ -16,7 +16,14 @@ from snowsim.echogram import (
     echogram_dataset,
     named_frame,
 )
-from snowsim.io.containers import ECHOGRAMS, SUPPLEMENT_FLAGS, format_of, opened, read_values
+from snowsim.io.containers import (
+    ECHOGRAMS,
+    SUPPLEMENT_FLAGS,
+    format_of,
+    one_line_errors,
+    opened,
+    read_values,
+)
 from snowsim.io.files import library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
@@ -52,6 +59,7 @@ def frame_in(echogram, path):
     return segment, int(number) if counted else None
 
 
+@one_line_errors()
 def read_echogram(path, *, compensated=False, source=None):
     """Echogram dataset of a file, whose format is determined from its content.
 
@@ -91,12 +99,11 @@ def read_echogram(path, *, compensated=False, source=None):
     (64, 's')
     """
     stored = opened(path)
-    with library_errors(stored.path):
-        kind = format_of(stored, [source] if source else ECHOGRAMS)
-        if kind == "opr":
-            return read_opr(stored)
-        read = read_nsidc if kind == "nsidc" else read_cresis
-        return read(stored, compensated=compensated)
+    kind = format_of(stored, [source] if source else ECHOGRAMS)
+    if kind == "opr":
+        return read_opr(stored)
+    read = read_nsidc if kind == "nsidc" else read_cresis
+    return read(stored, compensated=compensated)
 
 
 def power_of(data_db, where):

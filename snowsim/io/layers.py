@@ -1,4 +1,4 @@
-"""Layer files of every format, read and written."""
+"""Layer files of every format, read and written; contract of readers: `snowsim.io.containers`."""
 
 import itertools
 import re
@@ -10,7 +10,14 @@ import pandas as pd
 import xarray as xr
 
 from snowsim.echogram import UNITS, check_choice, check_layers, crossing_layers, named_frame
-from snowsim.io.containers import POSITION, format_of, opened, read_values, write_matlab
+from snowsim.io.containers import (
+    POSITION,
+    format_of,
+    one_line_errors,
+    opened,
+    read_values,
+    write_matlab,
+)
 from snowsim.io.echograms import l1b_content, parameters
 from snowsim.io.files import library_errors, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
@@ -73,16 +80,21 @@ def read_layers(path, *, names=None, missing="refuse"):
     (('layer', 'slow_time'), 0)
     """
     check_choice("missing", missing, ("refuse", "skip"))
+    names = [names] if isinstance(names, str) else names
+    return _read_layers(path, names, missing)
+
+
+@one_line_errors()
+def _read_layers(path, names, missing):
+    """Layers of a file, checked; the arguments are those of `read_layers`, and checked before."""
     readers = {
         "cresis_layer": read_cresis_layers,
         "cresis_layer_data": read_cresis_layer_data,
         "opr_layers": read_opr_layers,
     }
-    names = [names] if isinstance(names, str) else names
     stored = opened(path)
-    with library_errors(stored.path):
-        kind = format_of(stored, readers)
-        return chosen(readers[kind](stored), names, missing, stored.path)
+    kind = format_of(stored, readers)
+    return chosen(readers[kind](stored), names, missing, stored.path)
 
 
 def open_segment(paths):
@@ -253,7 +265,7 @@ def _without_placeholders(dataset, where):
         f"{where}: twtt: {is_first.sum()} range lines have their surface at {times_s[0]:.6g} s, "
         f"{gap_s[0]:.2g} s above all others: taken for lines that nobody picked"
     )
-    warnings.warn(msg, UserWarning, stacklevel=4)
+    warnings.warn(msg, UserWarning, stacklevel=6)
     twtt = dataset["twtt"].copy()
     twtt[0, is_first] = np.nan
     return dataset.assign(twtt=twtt)
