@@ -6,15 +6,7 @@ import warnings
 import torch
 from torch.utils.data import DataLoader
 
-# Names that torch gives to the capability of x86-64 processors without AVX-512.
-WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
-IN_FLOAT32 = (
-    "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing in "
-    "float32, which moves numbers as another processor does"
-)
-
 READ_EVERY = 50  # [steps] between readings of the losses on a GPU, which wait for the device
-N_WARM_UP = 3  # calls of a step before it is captured, as CUDA graphs ask for
 # Shapes of batches that are captured, 300 heights at four scales; further ones are called.
 MOST_GRAPHS = 1200
 N_AHEAD = 4  # batches that each process makes before they are asked for
@@ -80,7 +72,8 @@ class Step:
         stream = torch.cuda.Stream()
         stream.wait_stream(torch.cuda.current_stream())
         with torch.cuda.stream(stream):
-            for _ in range(N_WARM_UP):
+            # CUDA graphs ask for some calls of a step before it is captured.
+            for _ in range(3):
                 self._function(held)
         torch.cuda.current_stream().wait_stream(stream)
         graph = torch.cuda.CUDAGraph()
@@ -220,9 +213,15 @@ def arithmetic(device, precision):
     """
     kind = torch.device(device).type
     is_bfloat16 = precision == "bfloat16"
-    is_emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
+    # Names that torch gives to the capability of x86-64 processors without AVX-512.
+    without_avx512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
+    is_emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in without_avx512
     if is_bfloat16 and is_emulated:
-        warnings.warn(IN_FLOAT32, stacklevel=2)
+        msg = (
+            "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing "
+            "in float32, which moves numbers as another processor does"
+        )
+        warnings.warn(msg, stacklevel=2)
     return torch.autocast(kind, torch.bfloat16, enabled=is_bfloat16 and not is_emulated)
 
 

@@ -8,7 +8,6 @@ from torch import nn
 from torch.nn import functional
 
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
-EPSILON = 1e-5
 MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
 LOSSES = ("discriminator_real", "discriminator_fake", "generator_adversarial", "l1")
 L1_WEIGHT = 100.0  # of the generator's loss, pix2pix
@@ -93,8 +92,7 @@ class Norm(nn.Module):
     def forward(self, x):
         """Features of mean 0 and variance 1 at each pixel, before gain and offset."""
         channels_last = x.permute(0, 2, 3, 1)
-        affine = (self.weight, self.bias, EPSILON)
-        normed = functional.layer_norm(channels_last, x.shape[1:2], *affine)
+        normed = functional.layer_norm(channels_last, x.shape[1:2], self.weight, self.bias)
         return normed.permute(0, 3, 1, 2)
 
 

@@ -13,8 +13,6 @@ from snowsim.training import Resumable, Step, adaptive, is_gpu, load_weights, se
 
 RECIPES = {"measured": measured, "pix2pix": pix2pix}  # modules, by `Settings.method`
 N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 1 MB
-BETAS = (0.5, 0.999)  # of Adam, pix2pix
-ADAM_BYTES = 16  # of a weight: itself, its gradient and two moments, float32
 
 
 class Training(Resumable):
@@ -32,7 +30,9 @@ class Training(Resumable):
         super().__init__("cGAN", settings, seed, device, networks)
         rate = settings.learning_rate
         for name, network in networks.items():
-            adam = adaptive(torch.optim.Adam, network.parameters(), rate, device, betas=BETAS)
+            weights = network.parameters()
+            # The betas of pix2pix.
+            adam = adaptive(torch.optim.Adam, weights, rate, device, betas=(0.5, 0.999))
             self.optimisers[f"{name}_adam"] = adam
 
 
@@ -46,7 +46,8 @@ def least_bytes(settings):
     with torch.device("meta"):
         networks = networks_of(settings)
     n_weights = sum(weight.numel() for network in networks for weight in network.parameters())
-    return ADAM_BYTES * n_weights
+    # Of a weight itself, its gradient and two moments, in float32.
+    return 4 * 4 * n_weights
 
 
 def train_steps(training, scenes, *, n_workers=0):

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.constants import NEPERS
-from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Echoes, Kind, check_choice
+from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Echoes, Kind
 from snowsim.labels.undulations import draw_stationary, lags_on_circle
 from snowsim.limits import check_statistics, check_values
 
@@ -34,9 +34,8 @@ def values_of(statistics, name, dims=()):
     if name in statistics:
         values = statistics[name].transpose(*dims).values.astype(float)
     if values.size == 0 or not np.isfinite(values).all():
-        held = ", ".join(map(str, statistics.variables))
-        msg = f"flight statistics need {name}, all finite, got shape {values.shape}; hold {held}"
-        raise ValueError(msg)
+        msg = f"flight statistics need {name}, all finite, got shape {values.shape}; "
+        raise ValueError(msg + _names_held(statistics))
     return values if dims else values.item()
 
 
@@ -44,13 +43,21 @@ def of_uppermost(statistics, name, n_layers):
     """Positive values of the uppermost layers, (layer,).
 
     A layer without one, or below the flight's last, takes that of the nearest layer above.
+    ValueError if the uppermost layer of the flight has none.
     """
-    check_choice("a flight statistic", name, list(map(str, statistics.variables)))
+    if name not in statistics:
+        msg = f"flight statistics need {name}; "
+        raise ValueError(msg + _names_held(statistics))
     values = statistics[name].values.astype(float)
     check_values(f"flight statistics: {name} at layer 0", values[0], 0, above=True)
     usable = np.isfinite(values) & (values > 0)
     nearest_above = pd.Series(values).where(usable).ffill()
     return nearest_above.reindex(range(n_layers), method="ffill").to_numpy()
+
+
+def _names_held(statistics):
+    """Names of the variables that statistics hold, in words."""
+    return f"hold {', '.join(map(str, statistics.variables))}"
 
 
 def radar_of(statistics):
@@ -130,13 +137,6 @@ def dress(layer_bins, statistics):
     return dataclasses.replace(layers, **below_surface)
 
 
-def background_below(echoes, depth_bins):
-    """Mean power of the background at depths below the surface [bins], (depth,)."""
-    held = echoes.kind == Kind.BACKGROUND
-    fallen = np.exp(-np.outer(depth_bins, echoes.decay_rate[held]))
-    return fallen @ echoes.power[held].mean(axis=1)
-
-
 def redress(scene, statistics):
     """Replace the waveforms and the radar in a scene's echoes by those of other statistics.
 
@@ -206,11 +206,18 @@ def _layer_factors(shape, spread, *, rng):
 
 
 def _with_further(echoes, spread, *, rng):
-    """The echoes with further ones below, of the last layer's waveform."""
+    """The echoes with further ones below, of the last layer's waveform, at random distances."""
     last = np.flatnonzero(echoes.kind == Kind.LAYER)[-1]
     deepest = echoes.bins[last]
-    below = _draw_distances(spread["further_spacing_bins"], rng=rng)
-    behind = background_below(echoes, below + (deepest - echoes.bins[0]).mean())
+    spacing_bins = spread["further_spacing_bins"]
+    enough = int(4 * ROWS_BELOW_LAST_LAYER / spacing_bins) + 8
+    below = np.cumsum(1 + rng.exponential(max(spacing_bins - 1, 0.1), enough))
+    below = below[below < ROWS_BELOW_LAST_LAYER]
+    # Mean power of the background at those depths.
+    depth_bins = below + (deepest - echoes.bins[0]).mean()
+    held = echoes.kind == Kind.BACKGROUND
+    fallen = np.exp(-np.outer(depth_bins, echoes.decay_rate[held]))
+    behind = fallen @ echoes.power[held].mean(axis=1)
     rise = 10 ** (spread["further_rise_db"] / 10) - 1
     buried = np.ones(below.size, dtype=int)
     factor = _about_mean(*_draw_fading(spread, buried, deepest.size, rng=rng))
@@ -229,13 +236,6 @@ def _with_further(echoes, spread, *, rng):
 def _about_mean(deviation_db, variance_db2):
     """Factors of power with mean 1 for Gaussian deviations in dB of that variance."""
     return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)
-
-
-def _draw_distances(spacing, *, rng):
-    """Distances below the last layer of further echoes, `spacing` bins apart on average."""
-    enough = int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8
-    distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), enough))
-    return distances[distances < ROWS_BELOW_LAST_LAYER]
 
 
 def _draw_fading(spread, interface, n_lines, *, rng):

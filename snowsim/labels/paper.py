@@ -5,8 +5,7 @@ import numpy as np
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
 from snowsim.labels.echoes import echoes_of_layers, values_of
-from snowsim.labels.scene import notes_of
-from snowsim.labels.undulations import layers_below, mirrored
+from snowsim.labels.undulations import layers_below, mirrored, notes_of
 from snowsim.limits import check_count, check_statistics
 
 FEWEST_AND_MOST_LAYERS = (5, 40)  # fewest and most below the surface

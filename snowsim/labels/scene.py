@@ -5,16 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
+from snowsim.echogram import Scene, scene_height, zone_of
 from snowsim.labels.echoes import VARIES, add_echoes, dress, values_of
 from snowsim.labels.undulations import (
-    MINIMUM_THICKNESS_BINS,
     Nonstationary,
-    draw_stationary,
+    draw_surface,
     draw_undulations,
-    lags_on_circle,
     layers_below,
     mirrored,
+    notes_of,
 )
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.seeding import generator
@@ -87,22 +86,6 @@ class LabelModel:
         relative = mean[slab] + deviation[slab] * rng.standard_normal(n_slabs)
         relative[0] = 1
         return first_bins * relative
-
-    def draw_surface(self, *, rng):
-        """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves."""
-        error_bins, error_length_m, movement_bins, movement_length_m = (
-            self.values[name] for name in SURFACE_STATISTICS
-        )
-        slow = self._slow(error_bins, error_length_m, rng=rng)
-        height = rng.uniform() + np.cumsum(self._slow(movement_bins, movement_length_m, rng=rng))
-        left = height - np.rint(height) if movement_bins > 0 else 0.0
-        return SURFACE_ROW + slow - slow.mean() + left
-
-    def _slow(self, deviation, length_m, *, rng):
-        """Gaussian series (range_line,) of a deviation and of Gaussian correlation."""
-        lag = lags_on_circle(self.n_range_lines, length_m / self.spacing_m)
-        falls = np.exp(-((lag * self.spacing_m / max(length_m, 1e-100)) ** 2))
-        return draw_stationary(deviation**2 * falls[None], self.n_range_lines, rng=rng)[0]
 
 
 def prepare(statistics, n_range_lines, *, nonstationary=None):
@@ -211,24 +194,15 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     drawn += mirrored(mean)[:, None]
     drawn, bent = model.nonstationary.bend(drawn, zone, rng=rng)
     drawn = drawn[:n_layers]
-    layer_bins = layers_below(model.draw_surface(rng=rng), mirrored(drawn))
+    surface = draw_surface(values, n_range_lines, model.spacing_m, rng=rng)
+    layer_bins = layers_below(surface, mirrored(drawn))
+    notes = notes_of(drawn, mean[:n_layers], first_bins) | bent
     scene = Scene(
         name=name,
         n_range_bins=scene_height(layer_bins),
         layer_bins=layer_bins,
         complete_layer_bins=layer_bins,
         zone=zone,
-        notes=notes_of(drawn, mean[:n_layers], first_bins) | bent,
+        notes=notes,
     )
     return add_echoes(scene, model.statistics, values, rng=rng)
-
-
-def notes_of(drawn, mean, first_bins):
-    """Counts for the notes of a scene, from thickness (slab, range_line) and means as drawn."""
-    return {
-        "n_layers": len(drawn),
-        "n_samples": drawn.size,
-        "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
-        "n_means_touched": int((mean < MINIMUM_THICKNESS_BINS).sum()),
-        "first_thickness_bins": first_bins,
-    }

@@ -1,10 +1,11 @@
-"""Thickness along track: relief of layers, change of slabs, trends and folds."""
+"""Layers along track: relief of layers, change of slabs, trends, folds and the surface's row."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from snowsim.constants import KILOMETRE
+from snowsim.echogram import SURFACE_ROW
 from snowsim.limits import check_values
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -59,6 +60,34 @@ def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
     return thickness - thickness.mean(axis=1, keepdims=True)
 
 
+def draw_surface(statistics, n_lines, spacing_m, *, rng):
+    """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves.
+
+    `statistics` holds the four numbers of `snowsim.statistics.relief.surface_statistics` by name.
+    """
+    slow = _draw_slow(
+        statistics["surface_error_bins"],
+        statistics["surface_error_length_m"],
+        n_lines,
+        spacing_m,
+        rng=rng,
+    )
+    start = rng.uniform()
+    movement_bins = statistics["surface_movement_bins"]
+    length_m = statistics["surface_movement_length_m"]
+    movement = _draw_slow(movement_bins, length_m, n_lines, spacing_m, rng=rng)
+    height = start + np.cumsum(movement)
+    left = height - np.rint(height) if movement_bins > 0 else 0.0
+    return SURFACE_ROW + slow - slow.mean() + left
+
+
+def _draw_slow(deviation, length_m, n_lines, spacing_m, *, rng):
+    """Gaussian series (range_line,) of a standard deviation and of Gaussian correlation."""
+    lag = lags_on_circle(n_lines, length_m / spacing_m)
+    falls = np.exp(-((lag * spacing_m / max(length_m, 1e-100)) ** 2))
+    return draw_stationary(deviation**2 * falls[None], n_lines, rng=rng)[0]
+
+
 def mirrored(thickness):
     """Thickness mirrored at its minimum, where one layer lies one bin below the other."""
     return MINIMUM_THICKNESS_BINS + np.abs(thickness - MINIMUM_THICKNESS_BINS)
@@ -72,6 +101,17 @@ def layers_below(surface, thickness):
     """
     steps = np.concatenate([surface[None], thickness])
     return np.cumsum(np.ldexp(np.rint(np.ldexp(steps, GRID_BITS)), -GRID_BITS), axis=0)
+
+
+def notes_of(drawn, mean, first_bins):
+    """Counts for the notes of a scene, from thickness (slab, range_line) and means as drawn."""
+    return {
+        "n_layers": len(drawn),
+        "n_samples": drawn.size,
+        "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
+        "n_means_touched": int((mean < MINIMUM_THICKNESS_BINS).sum()),
+        "first_thickness_bins": first_bins,
+    }
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,6 @@ BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
 # [bins] Snow between two picks at least this far apart has an echo of its own, halfway.
 ECHO_ROOM = 14.0
 ECHO_VARIANCE = 0.6  # [bins^2] of that echo's Gaussian: about the range response's
-NORMAL_MEDIAN = 0.6745  # of the magnitude of a standard normal variable
 LEAST_DEVIATION = 1e-6  # smallest deviation of relative residuals; lines without speckle need it
 # Limits of a shape: log decay rate, log variance, and offset of the peak below the pick [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
@@ -228,7 +227,8 @@ def _weigh(shape, lines):
         _, model = _explained(shape, line)
         relative.append((line.signal - model) / line.scale)
     together = np.concatenate(relative)
-    deviation = max(np.median(np.abs(together)) / NORMAL_MEDIAN, LEAST_DEVIATION)
+    # 0.6745 is the median magnitude of a standard normal variable.
+    deviation = max(np.median(np.abs(together)) / 0.6745, LEAST_DEVIATION)
     for line, residual in zip(lines, relative, strict=True):
         line.scale = line.scale * np.hypot(1, np.maximum(residual, 0) / deviation)
     return deviation

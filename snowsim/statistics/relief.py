@@ -23,15 +23,12 @@ MEAN_LINES = 5
 MOST_APART = 6  # layers
 STILL = 0.1  # root of a change [bins]: picks in whole bins that did not move
 TELLING = (1, 6)  # of layers two apart over 64 lines: a zone without has too few data
-# Mean of the root of the change of a Gaussian variable, to the fourth, over its mean square.
-ROOTS = 0.457
 EXPONENTS = np.arange(25, 101) / 50  # of relief
 SLAB_EXPONENTS = np.arange(2, 40) / 20
 ALIKE = 1e-6  # keeps shapes apart that the data hardly tell apart
 TINY = 1e-100
 # Share of the steps that whole-bin levelling makes, above which a product is taken to do so.
 LEVELLED_SHARE = 0.5
-LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
 # [range lines] of relief and of the slow error: from half a shortest lag to 8 times the longest.
 LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)
 
@@ -73,7 +70,8 @@ def mean_square_changes(depth_bins):
             enough = known.any(axis=(1, 2)).sum() >= MINIMUM_BLOCKS
             root = root[known]
             if enough and 3 * (root < STILL).sum() < 2 * root.size:
-                change[apart - 1, i] = root.mean() ** 4 / ROOTS
+                # Of a Gaussian change, the mean of the root, to the fourth, is 0.457 of the square.
+                change[apart - 1, i] = root.mean() ** 4 / 0.457
     return change
 
 
@@ -130,7 +128,8 @@ def surface_statistics(summary):
     change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in CHANGE_LAGS])
     told = change > 0
     shape = 2 * (1 - np.exp(-((CHANGE_LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
-    target = 1 - LEVELLED_CHANGE * (movement > 0) / change[told]
+    # What levelling leaves is uniform within a bin: its mean square change is 1 / 6 bins^2.
+    target = 1 - 1 / 6 * (movement > 0) / change[told]
     square = np.maximum((shape**2).sum(axis=1), TINY)
     variance = np.maximum((shape * target).sum(axis=1), 0) / square
     best = (variance**2 * square).argmax()

@@ -27,7 +27,6 @@ AIR_LAGS = 13
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
-NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 CONTENT = "snowsim flight summary 6"
 
 
@@ -173,7 +172,8 @@ def _gain_variance(air, n_bins):
     halves = air[:, : n_bins // 2], air[:, n_bins // 2 : n_bins]
     logarithm = np.log([known_mean(half, axis=1) for half in halves])
     both = logarithm.mean(axis=0) - np.median(logarithm)
-    near = np.abs(both) <= OVERLOADED * NORMAL_MAD * np.median(np.abs(both))
+    # 1.4826 is the standard deviation of a normal law over its median absolute deviation.
+    near = np.abs(both) <= OVERLOADED * 1.4826 * np.median(np.abs(both))
     return np.cov(logarithm[:, near])[0, 1] if 2 * near.sum() > near.size else np.nan
 
 

@@ -44,7 +44,9 @@ def blocks_in_zones(summary, zone_edge_bins=None):
     """
     depth_bins = in_blocks(summary, "depth_bins").swapaxes(1, 2)
     n_layers = depth_bins.shape[1]
-    mean = block_means(np.diff(depth_bins, axis=1))
+    thickness = np.diff(depth_bins, axis=1)
+    often = 2 * np.isfinite(thickness).sum(axis=2) >= thickness.shape[2]
+    mean = np.where(often, known_mean(thickness, axis=2), np.nan)
     what = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines: blocks"
     check_count(what, np.isfinite(mean[:, :1]).sum())
     level = block_levels(mean)
@@ -92,15 +94,6 @@ def thickness_statistics(blocks):
         "first_thickness_quantile_bins": ("quantile", quantiles),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
     }
-
-
-def block_means(thickness):
-    """Mean thickness by block and slab, (block, slab), over the lines that have it.
-
-    NaN where fewer than half do.
-    """
-    often = 2 * np.isfinite(thickness).sum(axis=2) >= thickness.shape[2]
-    return np.where(often, known_mean(thickness, axis=2), np.nan)
 
 
 def block_levels(mean):
