@@ -180,7 +180,7 @@ def batches(batch_at, first, n_steps, *, device, n_workers):
         yield batch
 
 
-def taken(training, batch_at, take, names, *, n_workers):
+def run_steps(training, batch_at, take, names, *, n_workers):
     """Take the steps that a training still has, each with ``take(batch)``, which gives its losses.
 
     Yields the number of steps taken and the losses by name: of every step; on a GPU, where reading

@@ -32,7 +32,7 @@ def expected_image(scene):
     if echoes is None:
         msg = (
             f"scene {scene.name}: expected echoes, which tell how bright it is, got none: "
-            "snowsim.labels.dress makes them of layers and statistics"
+            "snowsim.labels.echoes_of_layers makes them of layers and statistics"
         )
         raise ValueError(msg)
     power = mean_power_of(echoes, scene.n_range_bins)

@@ -9,7 +9,7 @@ from snowsim.cgan.networks import LOSSES, initialise
 from snowsim.limits import check_count
 from snowsim.patches import draw_index, from_signed
 from snowsim.seeding import random_stream
-from snowsim.training import Resumable, Step, adaptive, is_gpu, load_weights, set_rate, taken
+from snowsim.training import Resumable, Step, adaptive, is_gpu, load_weights, run_steps, set_rate
 
 RECIPES = {"measured": measured, "pix2pix": pix2pix}  # modules, by `Settings.method`
 N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 1 MB
@@ -93,7 +93,7 @@ def train_steps(training, scenes, *, n_workers=0):
                 set_rate(group, rate)
         return step(batch)
 
-    yield from taken(training, batch_at, take, LOSSES, n_workers=n_workers)
+    yield from run_steps(training, batch_at, take, LOSSES, n_workers=n_workers)
 
 
 def render(generator, scene, settings, *, rng):

@@ -1,7 +1,7 @@
 """Synthetic layer geometries drawn from flight statistics, and the echoes of their layers."""
 
-from snowsim.labels.echoes import dress, redress
-from snowsim.labels.paper import draw_paper_scene, dress_as_printed
+from snowsim.labels.echoes import echoes_of_layers, with_waveforms_of
+from snowsim.labels.paper import draw_paper_scene, echoes_of_layers_as_printed
 from snowsim.labels.scene import LabelModel, draw, draw_scene, prepare
 from snowsim.labels.undulations import Nonstationary
 
@@ -11,8 +11,8 @@ __all__ = [
     "draw",
     "draw_paper_scene",
     "draw_scene",
-    "dress",
-    "dress_as_printed",
+    "echoes_of_layers",
+    "echoes_of_layers_as_printed",
     "prepare",
-    "redress",
+    "with_waveforms_of",
 ]

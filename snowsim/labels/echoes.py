@@ -39,7 +39,7 @@ def values_of(statistics, name, dims=()):
     return values if dims else values.item()
 
 
-def of_uppermost(statistics, name, n_layers):
+def value_per_layer(statistics, name, n_layers):
     """Positive values of the uppermost layers, (layer,).
 
     A layer without one, or below the flight's last, takes that of the nearest layer above.
@@ -71,22 +71,22 @@ def radar_of(statistics):
     return radar
 
 
-def echoes_of_layers(layer_bins, statistics, variance_bins2, **radar):
+def echoes_without_background(layer_bins, statistics, variance_bins2, **radar):
     """`Echoes` of layers alone, with the flight's mean powers and decay, one for each layer."""
     n_layers, n_lines = layer_bins.shape
-    power = of_uppermost(statistics, "peak_power", n_layers)
+    power = value_per_layer(statistics, "peak_power", n_layers)
     return Echoes(
         bins=layer_bins,
         power=np.repeat(power[:, None], n_lines, axis=1),
         variance_bins2=variance_bins2,
-        decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
+        decay_rate=value_per_layer(statistics, "decay_rate", n_layers),
         kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
         noise_power=values_of(statistics, "noise_power"),
         **radar,
     )
 
 
-def dress(layer_bins, statistics):
+def echoes_of_layers(layer_bins, statistics):
     """Give layers without powers the echoes that such layers have on average in a flight.
 
     Echoes have one row for each layer, and rows of background just below the surface: the flight's
@@ -112,8 +112,8 @@ def dress(layer_bins, statistics):
     """
     check_statistics(statistics)
     n_layers, n_lines = layer_bins.shape
-    variance = of_uppermost(statistics, "variance_bins2", n_layers)
-    layers = echoes_of_layers(layer_bins, statistics, variance, **radar_of(statistics))
+    variance = value_per_layer(statistics, "variance_bins2", n_layers)
+    layers = echoes_without_background(layer_bins, statistics, variance, **radar_of(statistics))
     check_values("flight statistics: noise_power", layers.noise_power, 0, above=True)
     # Statistics of 8-bit images hold no background.
     if "background_power" not in statistics:
@@ -137,25 +137,25 @@ def dress(layer_bins, statistics):
     return dataclasses.replace(layers, **below_surface)
 
 
-def redress(scene, statistics):
+def with_waveforms_of(scene, statistics):
     """Replace the waveforms and the radar in a scene's echoes by those of other statistics.
 
     Returns `Echoes`. Positions, powers and noise stay as the scene was drawn; a scene without
-    echoes gets those of `dress`.
+    echoes gets those of `echoes_of_layers`.
     """
     drawn = scene.echoes
     if drawn is None:
-        return dress(scene.layer_bins, statistics)
+        return echoes_of_layers(scene.layer_bins, statistics)
     is_layer = drawn.kind != Kind.BACKGROUND
     deepest = min(len(scene.layer_bins), statistics.sizes["layer"]) - 1
     level = np.minimum(np.cumsum(is_layer) - 1, deepest)
     # Background takes the variance of the surface.
     level[~is_layer] = 0
     n_levels = int(level.max()) + 1
-    decay = of_uppermost(statistics, "decay_rate", n_levels)[level] * drawn.decay_factor
+    decay = value_per_layer(statistics, "decay_rate", n_levels)[level] * drawn.decay_factor
     return dataclasses.replace(
         drawn,
-        variance_bins2=of_uppermost(statistics, "variance_bins2", n_levels)[level],
+        variance_bins2=value_per_layer(statistics, "variance_bins2", n_levels)[level],
         decay_rate=np.where(is_layer, decay, drawn.decay_rate),
         **radar_of(statistics),
     )
@@ -170,7 +170,7 @@ def add_echoes(scene, statistics, spread, *, rng):
     surface for each of its e-folding depths, and echoes at random distances below the last layer,
     which rise out of it as in the flight.
     """
-    flight = dress(scene.layer_bins, statistics)
+    flight = echoes_of_layers(scene.layer_bins, statistics)
     is_layer = flight.kind == Kind.LAYER
     noise_db = spread["noise_spread_db"]
     background_db = spread["background_spread_db"]

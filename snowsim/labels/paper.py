@@ -4,7 +4,7 @@ import numpy as np
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
-from snowsim.labels.echoes import echoes_of_layers, values_of
+from snowsim.labels.echoes import echoes_without_background, values_of
 from snowsim.labels.undulations import layers_below, mirrored, notes_of
 from snowsim.limits import check_count, check_statistics
 
@@ -45,20 +45,20 @@ def draw_paper_scene(statistics, n_range_lines, *, name, rng):
         n_range_bins=scene_height(layer_bins),
         layer_bins=layer_bins,
         complete_layer_bins=layer_bins,
-        echoes=dress_as_printed(layer_bins, statistics, rng=rng),
+        echoes=echoes_of_layers_as_printed(layer_bins, statistics, rng=rng),
         zone=zone,
         notes=notes_of(drawn, mean, first_bins),
     )
 
 
-def dress_as_printed(layer_bins, statistics, *, rng):
+def echoes_of_layers_as_printed(layer_bins, statistics, *, rng):
     """`Echoes` of layers, one power for a layer, without background, 100 looks, independent bins.
 
     The variance of each layer's Gaussian is uniform between 10 and 15, as printed. ValueError if
     statistics are missing, not finite or not positive.
     """
     variance = rng.uniform(*VARIANCE_BINS2, len(layer_bins))
-    return echoes_of_layers(layer_bins, statistics, variance, n_looks=N_LOOKS)
+    return echoes_without_background(layer_bins, statistics, variance, n_looks=N_LOOKS)
 
 
 def _series(psd, n_lines, *, rng):

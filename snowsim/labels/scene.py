@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import Scene, scene_height, zone_of
-from snowsim.labels.echoes import VARIES, add_echoes, dress, values_of
+from snowsim.labels.echoes import VARIES, add_echoes, echoes_of_layers, values_of
 from snowsim.labels.undulations import (
     Nonstationary,
     draw_surface,
@@ -117,7 +117,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
         values["line_gain_spread_db"] = values_of(statistics, "line_gain_spread_db")
     what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"
     check_values(what, values["n_blocks_by_layers"][:, 1:].sum(), 0, above=True)
-    dress(np.zeros((1, 1)), statistics)  # refuses what every scene would
+    echoes_of_layers(np.zeros((1, 1)), statistics)  # refuses what every scene would
     return LabelModel(n_range_lines, statistics, values, nonstationary or Nonstationary())
 
 

@@ -108,7 +108,7 @@ def mean_power(
     >>> bool(np.abs(10 * np.log10((mean_power(*scene) + 1e-8) / (exact + 1e-8))).max() < 0.05)
     True
     """
-    echoes = layer_echoes(layer_bins, peak_power, variance_bins2, decay_rate)
+    echoes = echoes_of_parameters(layer_bins, peak_power, variance_bins2, decay_rate)
     return mean_power_of(echoes, n_range_bins, exact=exact, as_printed=as_printed)
 
 
@@ -118,7 +118,7 @@ def mean_power_of(echoes, n_range_bins, *, exact=False, as_printed=False):
     return power_of(waveforms, exact=exact).astype(float, copy=False)
 
 
-def layer_echoes(layer_bins, peak_power, variance_bins2, decay_rate, **radar):
+def echoes_of_parameters(layer_bins, peak_power, variance_bins2, decay_rate, **radar):
     """`Echoes` of layers, not checked; without noise and of one look unless `radar` says more."""
     radar = {"noise_power": 0.0, "n_looks": 1.0} | radar
     kind = np.full(np.shape(layer_bins)[:1], Kind.LAYER, dtype=np.int8)

@@ -7,8 +7,8 @@ import numpy as np
 from snowsim.constants import NEPERS
 from snowsim.echogram import to_uint8
 from snowsim.limits import check_values
-from snowsim.phy.power import checked_waveforms, layer_echoes, power_of
-from snowsim.phy.speckle import check_looks, drawn
+from snowsim.phy.power import checked_waveforms, echoes_of_parameters, power_of
+from snowsim.phy.speckle import check_looks, draw_unchecked
 from snowsim.seeding import generator
 
 REQUIRED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
@@ -60,7 +60,7 @@ def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed
         got = ", ".join(map(str, parameters)) or "none"
         msg = f"parameters: expected {', '.join(REQUIRED)}, got {got}"
         raise ValueError(msg)
-    echoes = layer_echoes(layer_bins, **parameters)
+    echoes = echoes_of_parameters(layer_bins, **parameters)
     conventions = {"exact": exact, "as_printed": as_printed}
     return render_echoes(echoes, n_range_bins, rng=generator(rng), **conventions)
 
@@ -80,7 +80,7 @@ def render_echoes(echoes, n_range_bins, *, rng, added_power=0.0, exact=False, as
     power += added_power
     if echoes.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], echoes.line_gain_spread_db, rng=rng)
-    return drawn(power, echoes.n_looks, method=method, correlation=correlation, rng=rng)
+    return draw_unchecked(power, echoes.n_looks, method=method, correlation=correlation, rng=rng)
 
 
 def draw_gain(n_range_lines, spread_db, *, rng):
@@ -93,8 +93,8 @@ def draw_gain(n_range_lines, spread_db, *, rng):
 def render_scene(scene, *, rng, echoes=None, **options):
     """The scene with its image, without echoes and complete layers.
 
-    Rendered are the scene's own `echoes` unless others are given, as `snowsim.labels.dress` makes
-    them. Further options are those of `render_echoes`.
+    Renders the scene's own `echoes` unless others are given: `snowsim.labels.echoes_of_layers`
+    makes them. Further options are those of `render_echoes`.
     """
     power = render_echoes(echoes or scene.echoes, scene.n_range_bins, rng=rng, **options)
     image, noise_floor_db, maximum_db = to_uint8(power)

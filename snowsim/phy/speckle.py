@@ -74,10 +74,10 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         mean_power = mean_power.astype(float)
     check_values("mean_power", mean_power, 0)
     check_looks(method, n_looks, correlation)
-    return drawn(mean_power, n_looks, method=method, correlation=correlation, rng=rng)
+    return draw_unchecked(mean_power, n_looks, method=method, correlation=correlation, rng=rng)
 
 
-def drawn(mean_power, n_looks, *, method, correlation, rng):
+def draw_unchecked(mean_power, n_looks, *, method, correlation, rng):
     """As `draw_speckle`, of an array of floats and what `check_looks` allows."""
     n_looks = float(n_looks)
     if method == "looks":

@@ -95,13 +95,13 @@ def chosen_surface(given, found, share, n_bins):
     known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
     both = known & np.isfinite(found)
     outside = np.isfinite(given) & ~known
-    wrong = ~known | (both & _astray(given, found, share))
+    wrong = ~known | (both & _is_far_off(given, found, share))
     if outside.sum() > WRONG_SHARE * given.size:
         reason = f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
-        return gaps_filled(
-            found
-        ), reason + "range lines, the strongest rise of power is taken for it"
-    if wrong.sum() <= WRONG_SHARE * given.size and not _off(given[both], found[both], share[both]):
+        reason += "range lines, the strongest rise of power is taken for it"
+        return gaps_filled(found), reason
+    is_biased = _is_biased(given[both], found[both], share[both])
+    if wrong.sum() <= WRONG_SHARE * given.size and not is_biased:
         return gaps_filled(np.where(wrong, found, given)), None
     n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
     reason = (
@@ -111,7 +111,7 @@ def chosen_surface(given, found, share, n_bins):
     return gaps_filled(found), reason
 
 
-def _astray(given, found, share):
+def _is_far_off(given, found, share):
     """Whether a surface given lies far from the one found and is not to be believed, by line.
 
     Where an echo rises at it, and it is smooth, a brighter interface below is none to go by.
@@ -123,7 +123,7 @@ def _astray(given, found, share):
     return (given - found > WRONG_BINS) | (below & ~(rises & smooth))
 
 
-def _off(given, found, share):
+def _is_biased(given, found, share):
     """Whether a surface given that lies near the one found is wrong all the same, in the median."""
     if given.size == 0:
         return False

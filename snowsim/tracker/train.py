@@ -17,8 +17,8 @@ from snowsim.training import (
     copy_like,
     load_weights,
     on_device,
+    run_steps,
     set_rate,
-    taken,
 )
 
 WARM_UP = 0.1  # share of the steps during which the learning rate rises
@@ -121,7 +121,7 @@ def train_steps(training, scenes, *, n_workers=0):
         batch_at, take = published_training(training, scenes)
     else:
         batch_at, take = small_training(training, scenes)
-    for step, losses in taken(training, batch_at, take, OUTPUTS, n_workers=n_workers):
+    for step, losses in run_steps(training, batch_at, take, OUTPUTS, n_workers=n_workers):
         yield step, losses | {"total": sum(losses.values())}
 
 

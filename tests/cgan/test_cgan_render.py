@@ -79,7 +79,7 @@ def test_scenes_without_layers_in_their_window_are_refused(generator, rng):
 
 
 def test_the_recipe_that_knows_levels_needs_echoes(generator, rng):
-    with refusal("scene toy 1: expected echoes.*snowsim.labels.dress"):
+    with refusal("scene toy 1: expected echoes.*snowsim.labels.echoes_of_layers"):
         render(generator, toy_scene(1), SETTINGS, rng=rng)
 
 

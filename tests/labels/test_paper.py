@@ -9,7 +9,7 @@ from scipy.signal import periodogram
 
 from snowsim.echogram import Kind
 from snowsim.front import scenes
-from snowsim.labels import draw_paper_scene, dress, prepare
+from snowsim.labels import draw_paper_scene, echoes_of_layers, prepare
 from snowsim.statistics import varied
 
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
@@ -88,7 +88,7 @@ def test_statistics_without_a_plain_spectrum_are_refused(rng):
     [
         lambda statistics: prepare(statistics, 64),
         lambda statistics: draw_paper_scene(statistics, 64, name="", rng=1),
-        lambda statistics: dress(np.zeros((1, 4)), statistics),
+        lambda statistics: echoes_of_layers(np.zeros((1, 4)), statistics),
         lambda statistics: scenes(2, statistics=statistics, rng=1),
         lambda statistics: varied(statistics, rng=1),
     ],

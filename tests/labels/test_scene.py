@@ -12,7 +12,7 @@ from refusals import refusal
 
 from snowsim.echogram import Echoes, Kind, check_layer_bins, scene_height
 from snowsim.io import SceneSet, write_scenes
-from snowsim.labels import draw, draw_scene, prepare, redress
+from snowsim.labels import draw, draw_scene, prepare, with_waveforms_of
 from snowsim.labels.undulations import draw_stationary
 
 LAGS = np.array([1, 4, 16, 64, N_LINES - 1])  # scenes do not meet their own beginning again
@@ -191,8 +191,8 @@ def test_files_keep_the_echoes_and_describe_them(drawn, tmp_path):
 def test_other_statistics_change_waveforms_and_leave_rows_and_powers(drawn):
     scene = drawn[3]
     flight = planted()
-    same = redress(scene, flight)
-    other = redress(scene, flight.assign(variance_bins2=2 * flight["variance_bins2"]))
+    same = with_waveforms_of(scene, flight)
+    other = with_waveforms_of(scene, flight.assign(variance_bins2=2 * flight["variance_bins2"]))
     for name in ("bins", "power", "kind", "decay_rate"):
         assert_array_equal(getattr(other, name), getattr(scene.echoes, name), err_msg=name)
     assert_array_equal(same.variance_bins2, scene.echoes.variance_bins2)

@@ -11,7 +11,7 @@ from evaluation.lib.atlas_phy import waveform_by_quadrature
 from evaluation.lib.literal_phy import largest_error_db, summed_power
 from snowsim.echogram import crossing_layers
 from snowsim.phy import mean_power
-from snowsim.phy.power import TABLE_RANGE, checked_waveforms, layer_echoes
+from snowsim.phy.power import TABLE_RANGE, checked_waveforms, echoes_of_parameters
 
 TABLE_LIMIT_DB = 0.05
 
@@ -114,7 +114,8 @@ AT_THE_LIMITS = {
 def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_power):
     scene = PLAIN | change
     layers = {name: values for name, values in scene.items() if name != "n_range_bins"}
-    waveforms = checked_waveforms(layer_echoes(**layers), scene["n_range_bins"], as_printed=True)
+    echoes = echoes_of_parameters(**layers)
+    waveforms = checked_waveforms(echoes, scene["n_range_bins"], as_printed=True)
     expected = summed_power(waveforms, waveform_by_quadrature)
     exact = mean_power(**scene, exact=True, as_printed=True)
     # The waveform to 1e-12, amplitudes and sums to a few more.

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from snowsim.labels import dress, dress_as_printed
+from snowsim.labels import echoes_of_layers, echoes_of_layers_as_printed
 from snowsim.phy import render_scene
 
 
@@ -16,9 +16,9 @@ def render_by_phy(scene, flight, phy, *, rng, added_power=0.0):
     echoes = scene.echoes
     printed = is_printed(phy)
     if echoes is None and printed:
-        echoes = dress_as_printed(scene.layer_bins, flight, rng=rng)
+        echoes = echoes_of_layers_as_printed(scene.layer_bins, flight, rng=rng)
     elif echoes is None:
-        echoes = dress(scene.layer_bins, flight)
+        echoes = echoes_of_layers(scene.layer_bins, flight)
     if phy["n_looks"] is not None:
         echoes = dataclasses.replace(echoes, n_looks=phy["n_looks"])
     return render_scene(scene, echoes=echoes, rng=rng, added_power=added_power, as_printed=printed)

@@ -9,7 +9,7 @@ from snowsim.cgan import Settings, render, trained_generator
 from snowsim.io.files import read_dataset
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.labels import dress
+from snowsim.labels import echoes_of_layers
 from snowsim.seeding import random_stream
 
 with job(snakemake):
@@ -22,7 +22,7 @@ with job(snakemake):
         """The scene with its image."""
         # By scene, never by shard: how scenes are divided must not change them.
         rng = random_stream(snakemake.params.seed, "render_cgan", scene.name)
-        echoes = scene.echoes or dress(scene.layer_bins, statistics)
+        echoes = scene.echoes or echoes_of_layers(scene.layer_bins, statistics)
         image = render(generator, dataclasses.replace(scene, echoes=echoes), settings, rng=rng)
         return dataclasses.replace(scene, image=image, complete_layer_bins=None, echoes=None)
 

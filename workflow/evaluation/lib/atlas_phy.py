@@ -9,7 +9,7 @@ from scipy.special import erfc, gammaincinv
 from scipy.stats import gamma
 
 from evaluation.lib.literal_phy import convolved_power, largest_error_db, summed_power
-from snowsim.phy.power import checked_waveforms, exact_power, layer_echoes, power_of
+from snowsim.phy.power import checked_waveforms, echoes_of_parameters, exact_power, power_of
 from snowsim.phy.speckle import METHODS, draw_speckle
 
 N_RANGE_BINS = 256
@@ -60,7 +60,7 @@ def plain_layers(peak_power=(1.0,), variance_bins2=12.0, decay_rate=0.07):
     """
     n_layers = len(peak_power)
     first_bins = 100 + SPACING_BINS * np.arange(n_layers)[:, None]
-    echoes = layer_echoes(
+    echoes = echoes_of_parameters(
         first_bins + LINES,
         peak_power,
         np.full(n_layers, variance_bins2),

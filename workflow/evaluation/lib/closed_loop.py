@@ -7,7 +7,7 @@ import pandas as pd
 
 from lib.phy_renders import is_printed
 from lib.placeholder_frames import METRES_PER_DEGREE, placeholder_frame
-from snowsim.labels import redress
+from snowsim.labels import with_waveforms_of
 from snowsim.phy import render_echoes
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.summaries import MINIMUM_BLOCKS
@@ -127,7 +127,7 @@ def summarise_renders(scenes, flight, phy, *, stream):
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
-        echoes = redress(scene, flight)
+        echoes = with_waveforms_of(scene, flight)
         power = render_echoes(echoes, scene.n_range_bins, rng=rng, as_printed=is_printed(phy))
         frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), STRIDE))

@@ -6,7 +6,7 @@ No renderer uses these forms: they are what faster ones are compared with.
 import numpy as np
 from scipy.signal import fftconvolve
 
-from snowsim.phy.power import checked_waveforms, layer_echoes
+from snowsim.phy.power import checked_waveforms, echoes_of_parameters
 
 VANISHED = 1e-290  # powers below have lost digits to underflow
 
@@ -31,7 +31,7 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
 
 def waveforms_of(layer_bins, parameters, n_range_bins):
     """`Waveforms` of layers and parameters as `render` takes them, by its default conventions."""
-    return checked_waveforms(layer_echoes(layer_bins, **parameters), n_range_bins)
+    return checked_waveforms(echoes_of_parameters(layer_bins, **parameters), n_range_bins)
 
 
 def render_as_printed(layer_bins, parameters, n_range_bins, *, rng):

@@ -25,8 +25,8 @@ from snowsim.phy.power import (
     NODES_PER_BIN,
     TABLE_RANGE,
     checked_waveforms,
+    echoes_of_parameters,
     exact_power,
-    layer_echoes,
     power_of,
     table_power,
 )
@@ -109,7 +109,7 @@ def table_error_db(nodes_per_bin):
     errors_db = []
     for variance in variances:
         for decay in decays:
-            echoes = layer_echoes(layer_bins, [1.0], [variance], [decay])
+            echoes = echoes_of_parameters(layer_bins, [1.0], [variance], [decay])
             layer = checked_waveforms(echoes, N_RANGE_BINS)
             exact = exact_power(layer)
             tabulated = table_power(layer, nodes_per_bin)
@@ -163,7 +163,7 @@ def scene_ways(layer_bins, parameters, cgan, rng):
 
     settings = Settings(**cgan)
     generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
-    echoes = layer_echoes(layer_bins, **parameters)
+    echoes = echoes_of_parameters(layer_bins, **parameters)
     masked = Scene("planted", N_RANGE_BINS, layer_bins, echoes=echoes)
     return [
         Way(
