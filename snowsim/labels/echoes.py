@@ -1,7 +1,7 @@
-"""Echoes of layers, from values of flight statistics, each checked as it is read.
+"""Echoes of layers, drawn from flight statistics, whose values are checked when they are read.
 
-Means of the flight; and what varies about them: power along track and from layer to layer, noise,
-decay and background.
+Echoes have the flight's mean powers, or vary about them: power varies along track and from layer to
+layer, noise, decay and background from scene to scene.
 """
 
 import dataclasses
@@ -29,7 +29,10 @@ VARIES = dict.fromkeys(FADING, ("interface",)) | {
 
 
 def values_of(statistics, name, dims=()):
-    """Values of the statistics on `dims`, a float where there is none; ValueError if not finite."""
+    """Values of one statistic, an array on `dims`, or a float if there are none.
+
+    ValueError if it is missing or not finite.
+    """
     values = np.empty(0)
     if name in statistics:
         values = statistics[name].transpose(*dims).values.astype(float)
@@ -40,10 +43,10 @@ def values_of(statistics, name, dims=()):
 
 
 def value_per_layer(statistics, name, n_layers):
-    """Positive values of the uppermost layers, (layer,).
+    """Positive value of one statistic for each of `n_layers` layers, (layer,).
 
-    A layer without one, or below the flight's last, takes that of the nearest layer above.
-    ValueError if the uppermost layer of the flight has none.
+    A layer without a value, or below the flight's last layer, takes the value of the nearest layer
+    above. ValueError if the flight's uppermost layer has none.
     """
     if name not in statistics:
         msg = f"flight statistics need {name}; "
@@ -56,14 +59,14 @@ def value_per_layer(statistics, name, n_layers):
 
 
 def _names_held(statistics):
-    """Names of the variables that statistics hold, in words."""
+    """Names of all variables of the statistics, for an error."""
     return f"hold {', '.join(map(str, statistics.variables))}"
 
 
 def radar_of(statistics):
-    """Number of looks and correlation of speckle, as arguments of `Echoes`.
+    """Number of looks and correlation of speckle, by name, as arguments of `Echoes`.
 
-    The correlation is measured in air above the surface; statistics of images hold none.
+    The correlation was measured in the air above the surface. Statistics of images hold none.
     """
     radar = {"n_looks": float(statistics.attrs["n_looks"])}
     if "speckle_correlation" in statistics:
@@ -72,7 +75,7 @@ def radar_of(statistics):
 
 
 def echoes_without_background(layer_bins, statistics, variance_bins2, **radar):
-    """`Echoes` of layers alone, with the flight's mean powers and decay, one for each layer."""
+    """`Echoes` of layers without background; each layer has the flight's mean power and decay."""
     n_layers, n_lines = layer_bins.shape
     power = value_per_layer(statistics, "peak_power", n_layers)
     return Echoes(
@@ -87,12 +90,12 @@ def echoes_without_background(layer_bins, statistics, variance_bins2, **radar):
 
 
 def echoes_of_layers(layer_bins, statistics):
-    """Give layers without powers the echoes that such layers have on average in a flight.
+    """Echoes that layers have on average in a flight.
 
-    Echoes have one row for each layer, and rows of background just below the surface: the flight's
-    mean power of unpicked snow, one row for each e-folding depth. Layers deeper than those of the
-    flight take the values of its deepest. Powers do not vary from scene to scene or along track,
-    nor does gain vary from line to line.
+    Echoes have one row for each layer, and rows of background just below the surface. The
+    background is the flight's mean power of unpicked snow, one row for each e-folding depth. Layers
+    deeper than those of the flight take the values of its deepest. Powers do not vary from scene to
+    scene or along track, and gain does not vary from line to line.
 
     Parameters
     ----------
@@ -138,10 +141,10 @@ def echoes_of_layers(layer_bins, statistics):
 
 
 def with_waveforms_of(scene, statistics):
-    """Replace the waveforms and the radar in a scene's echoes by those of other statistics.
+    """Echoes of a scene, with the waveforms and the radar of other statistics.
 
-    Returns `Echoes`. Positions, powers and noise stay as the scene was drawn; a scene without
-    echoes gets those of `echoes_of_layers`.
+    Positions, powers and noise stay as the scene was drawn. A scene without echoes gets those of
+    `echoes_of_layers`.
     """
     drawn = scene.echoes
     if drawn is None:
@@ -164,11 +167,12 @@ def with_waveforms_of(scene, statistics):
 def add_echoes(scene, statistics, spread, *, rng):
     """The scene with its `echoes`, which vary by the statistics in `spread`, see `VARIES`.
 
-    Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried
-    layers together; each layer; and its fading along track, a Gaussian process of autocorrelation
-    ``exp(-(h / l)^p)`` about its mean. Unpicked snow is a background, one row just below the
-    surface for each of its e-folding depths, and echoes at random distances below the last layer,
-    which rise out of it as in the flight.
+    Powers vary in dB, and their means stay those of the flight. The surface and the noise vary from
+    scene to scene, buried layers vary together and each by itself, and every layer fades along
+    track: a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. Unpicked snow
+    is a background, one row just below the surface for each of its e-folding depths. Below the last
+    layer further echoes stand at random distances; they rise out of the background as in the
+    flight.
     """
     flight = echoes_of_layers(scene.layer_bins, statistics)
     is_layer = flight.kind == Kind.LAYER
@@ -191,7 +195,7 @@ def add_echoes(scene, statistics, spread, *, rng):
 
 
 def _layer_factors(shape, spread, *, rng):
-    """Powers of layers over the flight's, (layer, range_line)."""
+    """Factors of the power of layers over the flight's mean, (layer, range_line)."""
     n_layers, n_lines = shape
     interface = np.minimum(np.arange(n_layers), 1)
     surface_variance = spread["surface_to_noise_spread_db"] ** 2 - spread["noise_spread_db"] ** 2
@@ -234,12 +238,15 @@ def _with_further(echoes, spread, *, rng):
 
 
 def _about_mean(deviation_db, variance_db2):
-    """Factors of power with mean 1 for Gaussian deviations in dB of that variance."""
+    """Factors of power with mean 1, from Gaussian deviations in dB with this variance."""
     return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)
 
 
 def _draw_fading(spread, interface, n_lines, *, rng):
-    """Fading [dB] about their means of layers, surface or buried, (layer, range_line); variance."""
+    """Fading of layers about their means [dB], (layer, range_line), and its variance, (layer, 1).
+
+    `interface` (layer,) is 0 for the surface and 1 for buried layers.
+    """
     spread_db, length_lines, exponent = (spread[name][:, None] for name in FADING)
     lag = lags_on_circle(n_lines, length_lines.max())
     shape = np.exp(-((lag / length_lines) ** exponent))

@@ -15,15 +15,15 @@ VARIANCE_BINS2 = (10.0, 15.0)
 
 
 def draw_paper_scene(statistics, n_range_lines, *, name, rng):
-    """One scene with all layers labelled, its zone, its echoes and what the rules did to it.
+    """One scene by the printed recipe, with all layers labelled, its zone, echoes and notes.
 
-    The number of layers is uniform, and so is the mean thickness of slab 0 over the flight's zones,
-    which fixes the zone; the mean of deeper slabs is slab 0 x a factor from the zone's Gaussian;
-    thickness is the mean + a Gaussian process of the slab's plain spectrum, `thickness_psd` of the
-    estimator `paper`, independent from slab to slab; a scene as wide as a block ends where it
-    began.
-    The surface is flat. `notes` are those of `snowsim.labels.draw_scene`. ValueError if statistics
-    are of an earlier version, missing or not finite, or a scene is narrower than 2 lines.
+    The number of layers is uniform. The mean thickness of slab 0 is uniform over the flight's zones
+    and fixes the zone. The mean of a deeper slab is that of slab 0 times a factor from the zone's
+    Gaussian. Thickness is this mean plus a Gaussian process with the slab's spectrum,
+    `thickness_psd` of the estimator `paper`, independent from slab to slab; in a scene as wide as a
+    block it ends where it began. The surface is flat. `notes` are those of
+    `snowsim.labels.draw_scene`. ValueError if statistics are of an earlier version, missing or not
+    finite, or a scene is narrower than 2 lines.
     """
     check_count("n_range_lines", n_range_lines, 2)
     check_statistics(statistics)
@@ -52,17 +52,21 @@ def draw_paper_scene(statistics, n_range_lines, *, name, rng):
 
 
 def echoes_of_layers_as_printed(layer_bins, statistics, *, rng):
-    """`Echoes` of layers, one power for a layer, without background, 100 looks, independent bins.
+    """`Echoes` of layers by the printed recipe.
 
-    The variance of each layer's Gaussian is uniform between 10 and 15, as printed. ValueError if
-    statistics are missing, not finite or not positive.
+    Each layer has one power, there is no background, and speckle of 100 looks is independent from
+    bin to bin. The variance of each layer's Gaussian is uniform between 10 and 15 bins^2.
+    ValueError if statistics are missing, not finite or not positive.
     """
     variance = rng.uniform(*VARIANCE_BINS2, len(layer_bins))
     return echoes_without_background(layer_bins, statistics, variance, n_looks=N_LOOKS)
 
 
 def _series(psd, n_lines, *, rng):
-    """Gaussian series (slab, range_line) of one-sided spectra (slab, wavenumber) of blocks."""
+    """Gaussian series (slab, range_line) with the one-sided spectra of blocks, `psd`.
+
+    `psd` is (slab, wavenumber).
+    """
     n_long = max(BLOCK_LINES, n_lines + n_lines % 2)
     held = np.fft.rfftfreq(BLOCK_LINES)
     wavenumber = np.fft.rfftfreq(n_long)

@@ -50,19 +50,19 @@ class LabelModel:
 
     n_range_lines: int
     statistics: xr.Dataset
-    values: dict  # of `DRAWN_FROM`, and of gain from line to line, by name
+    values: dict  # the statistics in `DRAWN_FROM` by name, and gain from line to line if known
     nonstationary: Nonstationary
 
     @property
     def spacing_m(self):
-        """Distance between range lines."""
+        """Distance between range lines [m]."""
         return self.statistics.attrs["line_spacing_m"]
 
     def draw_n_layers(self, zone, *, rng):
-        """Draw the number of layers below the surface as in the blocks of the zone.
+        """Number of layers below the surface, distributed as in the blocks of the zone.
 
-        Zero is as frequent as in the whole flight. Numbers between those observed are interpolated
-        in the logarithm between mid-quantiles (Parzen 2004, Statist. Sci. 19, 652). A zone without
+        Zero is as frequent as in the whole flight. Between observed numbers the logarithm is
+        interpolated between mid-quantiles (Parzen 2004, Statist. Sci. 19, 652). A zone without
         layers uses the blocks of all zones.
         """
         # Blocks without layers belong to no zone.
@@ -79,7 +79,10 @@ class LabelModel:
         return int(np.rint(np.exp(log_number)))
 
     def draw_means(self, zone, first_bins, n_slabs, *, rng):
-        """Mean thickness of slabs [bins], (slab,); those below the flight's last follow its law."""
+        """Mean thickness of slabs [bins], (slab,).
+
+        Slabs below the flight's last are drawn as that one.
+        """
         mean = self.values["relative_thickness_mean"][zone]
         deviation = np.sqrt(self.values["relative_thickness_variance"][zone])
         slab = np.minimum(np.arange(n_slabs), mean.size - 1)
@@ -89,7 +92,7 @@ class LabelModel:
 
 
 def prepare(statistics, n_range_lines, *, nonstationary=None):
-    """Make flight statistics ready to draw many scenes.
+    """Model from which many scenes are drawn, made of flight statistics.
 
     Parameters
     ----------
@@ -97,7 +100,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
         Statistics as from `snowsim.statistics.fit`.
     n_range_lines : int
     nonstationary : Nonstationary, optional
-        Trends and folds of the layers; by default none.
+        Trends and folds of the layers; none if left out.
 
     Returns
     -------
@@ -112,7 +115,7 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     check_count("n_range_lines", n_range_lines, 2)
     check_statistics(statistics)
     values = {name: values_of(statistics, name, dims) for name, dims in DRAWN_FROM.items()}
-    # Statistics of images hold none.
+    # Statistics of images do not hold gain.
     if "line_gain_spread_db" in statistics:
         values["line_gain_spread_db"] = values_of(statistics, "line_gain_spread_db")
     what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"

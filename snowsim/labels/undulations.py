@@ -10,14 +10,14 @@ from snowsim.limits import check_values
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
 GRID_BITS = 12  # layers are multiples of 2^-12 range bins, which float32 holds to bin 4096
-# Share of the largest eigenvalue below which one is zero: its root is rounding, which is not the
-# same on all processors.
+# Smaller eigenvalues, relative to the largest, are set to zero: they are rounding, which differs
+# between processors.
 LEAST_EIGENVALUE = 1e-10
-LENGTHS_AROUND = 8  # a circle is at least so many correlation lengths long
+LENGTHS_AROUND = 8  # least length of the circle, in correlation lengths
 
 
 def draw_stationary(covariance, n_lines, *, rng):
-    """Gaussian series (row, range_line) of covariances (row, lag), by circulant embedding.
+    """Gaussian series (row, range_line) with covariances (row, lag), by circulant embedding.
 
     Exact where the covariance, wrapped around a circle twice as long as the lags, has no negative
     eigenvalue (Dietrich & Newsam 1997, SIAM J. Sci. Comput. 18, 1088). Negative ones are set to
@@ -34,16 +34,16 @@ def draw_stationary(covariance, n_lines, *, rng):
 
 
 def lags_on_circle(n_lines, length_lines):
-    """Lags of a circle long enough for a scene and for correlations of a length, (lag,)."""
+    """Lags of a circle that is long enough for a scene and for this correlation length, (lag,)."""
     return np.arange(int(max(n_lines, LENGTHS_AROUND / 2 * length_lines)) + 1)
 
 
 def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
     """Thickness of slabs about their means [bins], (slab, range_line).
 
-    `relief` holds the numbers of the law of `snowsim.statistics.relief` by name: over h metres,
-    layers by themselves change by a mean square of ``2 variance (1 - exp(-(h /
-    length)^exponent))``, slabs by ``slab_change (h / 1000 m)^slab_exponent`` [bins^2].
+    `relief` holds the five numbers of `snowsim.statistics.relief` by name. Over h metres each layer
+    changes by a mean square of ``2 variance (1 - exp(-(h / length)^exponent))``, each slab by
+    ``slab_change (h / 1000 m)^slab_exponent`` [bins^2].
     """
     length_m = relief["relief_length_m"]
     lag = lags_on_circle(n_lines, length_m / spacing_m)
@@ -61,7 +61,7 @@ def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
 
 
 def draw_surface(statistics, n_lines, spacing_m, *, rng):
-    """Row of the surface (range_line,): a slow error, and what whole-bin levelling leaves.
+    """Range bin of the surface (range_line,): a slow error, and what whole-bin levelling leaves.
 
     `statistics` holds the four numbers of `snowsim.statistics.relief.surface_statistics` by name.
     """
@@ -82,22 +82,22 @@ def draw_surface(statistics, n_lines, spacing_m, *, rng):
 
 
 def _draw_slow(deviation, length_m, n_lines, spacing_m, *, rng):
-    """Gaussian series (range_line,) of a standard deviation and of Gaussian correlation."""
+    """Gaussian series (range_line,) of this standard deviation and Gaussian correlation."""
     lag = lags_on_circle(n_lines, length_m / spacing_m)
     falls = np.exp(-((lag * spacing_m / max(length_m, 1e-100)) ** 2))
     return draw_stationary(deviation**2 * falls[None], n_lines, rng=rng)[0]
 
 
 def mirrored(thickness):
-    """Thickness mirrored at its minimum, where one layer lies one bin below the other."""
+    """Thickness mirrored at its minimum of one bin: values below it are as far above it."""
     return MINIMUM_THICKNESS_BINS + np.abs(thickness - MINIMUM_THICKNESS_BINS)
 
 
 def layers_below(surface, thickness):
-    """Layers (layer, range_line) from the surface (range_line,) down, as files hold them.
+    """Layers (layer, range_line), from the surface (range_line,) and thickness (slab, range_line).
 
-    Thickness (slab, range_line) is at least `MINIMUM_THICKNESS_BINS`. Rounded once, to multiples
-    of which sums are exact: layers stay a bin apart, and are the same on any processor.
+    Thickness is at least `MINIMUM_THICKNESS_BINS`. It is rounded once, to multiples of 2^-12 bins,
+    whose sums are exact: layers stay a bin apart and are the same on every processor.
     """
     steps = np.concatenate([surface[None], thickness])
     return np.cumsum(np.ldexp(np.rint(np.ldexp(steps, GRID_BITS)), -GRID_BITS), axis=0)
@@ -116,17 +116,17 @@ def notes_of(drawn, mean, first_bins):
 
 @dataclass(frozen=True)
 class Nonstationary:
-    """Trends and folds of layers, which the paper leaves to future work; zeros: none.
+    """Trends and folds of layers, which the paper leaves to future work; none by default.
 
-    ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no
-    picks resolve.
+    ValueError if a standard deviation is negative or not finite, or if folds are shorter than 4
+    range lines, which picks do not resolve.
     """
 
     # Standard deviation of the change of mean thickness over a scene, relative to the mean.
     trend_sd: float = 0.0
-    fold_sd_bins: float = 0.0  # of the amplitude of the deepest layer's fold
+    fold_sd_bins: float = 0.0  # standard deviation of the amplitude of the deepest layer's fold
     fold_length_lines: float = 64.0  # wavelength of folds
-    zones: tuple | None = None  # whose scenes have them; None: all
+    zones: tuple | None = None  # only scenes of these zones have them; None: all scenes
 
     def __post_init__(self):
         for name, least in (("trend_sd", 0), ("fold_sd_bins", 0), ("fold_length_lines", 4)):

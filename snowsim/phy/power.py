@@ -10,11 +10,11 @@ from snowsim.echogram import Echoes, Kind, check_layer_bins
 from snowsim.limits import check_count, check_values
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 
-# Limits within which tables are accurate. They admit unpicked snow that decays over 1000 bins. PHY
-# takes the closed form outside them.
+# Tables are accurate within these limits; outside them PHY takes the closed form. Unpicked snow
+# that decays over 1000 bins lies within.
 TABLE_RANGE = {"variance_bins2": (0.1, 100.0), "decay_rate": (1e-4, 1.0)}
 LIMITS = SAFE_RANGE | {"peak_power": (0,)}
-# Limits of the strongest echo, within which float32 holds all echoes that count.
+# Limits of the power of the strongest echo: within them float32 holds every echo that matters.
 TABLE_POWERS = (1e-20, 1e20)
 NODES_PER_BIN = 8
 # A table starts `RISE_DEVIATIONS` above the centre, at 1e-12 of the waveform's peak. It ends
@@ -169,12 +169,12 @@ def power_of(waveforms, *, exact=False):
 
 
 def tables_hold(waveforms):
-    """Whether tables are as close to the closed form as `mean_power` promises."""
+    """True if tables are as close to the closed form as `mean_power` promises."""
     for name, (low, high) in TABLE_RANGE.items():
         values = getattr(waveforms, name)
         if not np.all((values >= low) & (values <= high)):
             return False
-    # Tables leave out what is small beside the strongest echo, which must lie in the window.
+    # Tables leave out echoes far weaker than the strongest, so that one must lie in the window.
     peak_power = waveforms.amplitude * waveforms.unit_peak[:, None]
     centre = waveforms.centre_bins
     in_window = (centre >= 0) & (centre <= waveforms.n_range_bins - 1)
@@ -209,7 +209,7 @@ class Tables(NamedTuple):
     exponential: np.ndarray  # fall of the tail from bin to bin, float32 (layer, bin)
 
 
-# Tables of narrow layers underflow in rows that are never read.
+# Tables of narrow layers underflow in bins that are never read.
 @np.errstate(under="ignore", divide="ignore", invalid="ignore")
 def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
     """Mean power by a table of each layer's waveform, float32 (range_bin, range_line).
@@ -307,7 +307,10 @@ def _add_layers(centre_bins, share, tables, unit, power):
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_head(column, value, slope, away, scale):
-    """Add a waveform, read `away` from its table's nodes; exp as a series errs by 7e-4 at 1.2."""
+    """Add a waveform, read `away` bins from the nodes of its table.
+
+    The exponential is a series of degree 6, whose error is 7e-4 where its argument is 1.2.
+    """
     for row in range(column.size):
         y = away * slope[row]
         series = np.float32(1 / 120) + y * np.float32(1 / 720)

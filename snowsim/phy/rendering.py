@@ -31,13 +31,13 @@ def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed
         Height of the scene.
     rng : int or numpy.random.Generator
     exact, as_printed : bool, optional
-        See `mean_power`. Speckle is drawn by `gamma` if exact, else, and wherever it is correlated,
-        by `quantile`.
+        See `mean_power`. Speckle is drawn by `gamma` if exact and not correlated, else by
+        `quantile`.
 
     Returns
     -------
     ndarray, (range_bin, range_line)
-        Linear power; float32, or float64 where it is exact.
+        Linear power, float64 if exact, else float32.
 
     Raises
     ------
@@ -66,9 +66,9 @@ def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed
 
 
 def render_echoes(echoes, n_range_bins, *, rng, added_power=0.0, exact=False, as_printed=False):
-    """Power of `Echoes` after M looks, as from `render`.
+    """Power of `Echoes` after M looks, (range_bin, range_line), as `render` gives it.
 
-    `added_power` (range_bin, range_line) is mean power of what is no echo.
+    `added_power` (range_bin, range_line) is added to the mean power of the echoes and the noise.
     """
     for name in ("noise_power", "line_gain_spread_db"):
         check_values(name, getattr(echoes, name), 0, number=True)

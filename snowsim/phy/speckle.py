@@ -10,13 +10,14 @@ from snowsim.echogram import check_choice
 from snowsim.limits import check_values
 
 METHODS = ("looks", "gamma", "quantile")
-MOST_LOOKS_QUANTILE = 1e6  # above, float32 no longer tells the quantiles apart
+MOST_LOOKS_QUANTILE = 1e6  # with more looks the quantiles are equal in float32
 MOST_LAGS = 16  # of a correlation, beside lag 0
-LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
-LEAST_DENSITY = 1e-3  # of the spectrum, mean 1: an estimate may be negative, no process is
+LARGEST_ERROR = 0.05  # largest error of the correlation at any lag; else it is refused
+# Least density of a spectrum of mean 1. Estimated spectra may be negative, those of processes not.
+LEAST_DENSITY = 1e-3
 N_FREQUENCIES = 1024
-LEAST_TAP = 1e-3  # smaller ones at the end are left out
-CELLS = 65536  # of normals that are drawn, one for each value of 16 random bits
+LEAST_TAP = 1e-3  # smaller taps at the end of a filter are left out
+CELLS = 65536  # values that a normal is drawn from, one for each value of 16 random bits
 QUANTILE_REACH = 8  # half the width of the table of quantiles, in deviations of the normal
 PER_UNIT = 256  # values of that table in a deviation
 
@@ -78,7 +79,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
 
 
 def draw_unchecked(mean_power, n_looks, *, method, correlation, rng):
-    """As `draw_speckle`, of an array of floats and what `check_looks` allows."""
+    """Power after M looks, as from `draw_speckle`, of arguments that are checked already."""
     n_looks = float(n_looks)
     if method == "looks":
         return _draw_looks(mean_power, int(n_looks), rng)
@@ -91,7 +92,7 @@ def draw_unchecked(mean_power, n_looks, *, method, correlation, rng):
 
 
 def check_looks(method, n_looks, correlation=None):
-    """ValueError unless `method` exists and can draw this number of looks, correlated if asked."""
+    """Raise ValueError unless `method` exists and can draw these looks with this correlation."""
     check_choice("speckle method", method, METHODS)
     most = MOST_LOOKS_QUANTILE if method == "quantile" else np.inf
     check_values(f"n_looks of speckle method {method}", n_looks, 1, most, number=True)
@@ -107,7 +108,7 @@ def check_looks(method, n_looks, correlation=None):
 
 
 def _draw_looks(mean_power, n_looks, rng):
-    """Mean of looks, one at a time."""
+    """Mean of M looks, drawn one after the other."""
     total = np.zeros(mean_power.shape)
     for _ in range(n_looks):
         in_phase, quadrature = rng.standard_normal((2, *mean_power.shape))
@@ -116,9 +117,9 @@ def _draw_looks(mean_power, n_looks, rng):
 
 
 def _draw_quantiles(mean_power, n_looks, correlation, rng):
-    """Quantiles at normals that are filtered down range.
+    """Quantiles of speckle at normals that are filtered down range.
 
-    The filter starts above the first range bin: speckle there is like elsewhere.
+    The filter starts above the first range bin, so that speckle there is the same as elsewhere.
     """
     taps = np.ones(1) if correlation is None else correlating_taps(correlation, n_looks)
     n_range_bins, n_range_lines = mean_power.shape
@@ -138,7 +139,7 @@ def _draw_quantiles(mean_power, n_looks, correlation, rng):
 
 @lru_cache(maxsize=1)
 def normal_cells():
-    """Mean of the normal law in each of its equally likely cells, scaled to unit variance."""
+    """Mean of a standard normal in each of `CELLS` equally likely cells, scaled to variance 1."""
     edges = ndtri(np.arange(1, CELLS) / CELLS)
     means = -np.diff(np.exp(-(edges**2) / 2), prepend=0, append=0)
     return (means / means.std()).astype(np.float32)
@@ -148,7 +149,8 @@ def normal_cells():
 def normal_quantiles(n_looks):
     """Quantiles of Gamma(M) / M at evenly spaced normals up to +-`QUANTILE_REACH`, float32.
 
-    Linear between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
+    Interpolated linearly between steps h, the distribution function errs by less than 0.04 h^2,
+    which is 6e-7.
     """
     normal = np.arange(-QUANTILE_REACH * PER_UNIT, QUANTILE_REACH * PER_UNIT + 1) / PER_UNIT
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
@@ -157,9 +159,10 @@ def normal_quantiles(n_looks):
 
 
 def correlating_taps(correlation, n_looks):
-    """Filter of white normals, (lag,), whose power by `normal_quantiles` has this autocorrelation.
+    """Filter of white normals, (tap,), that gives power of this autocorrelation down range.
 
-    ValueError if its autocorrelation differs by over `LARGEST_ERROR`.
+    The power is what `normal_quantiles` makes of the filtered normals. ValueError if its
+    autocorrelation differs from the one asked for by more than `LARGEST_ERROR`.
     """
     asked = np.asarray(correlation, dtype=float)
     is_row = asked.ndim == 1 and 1 <= asked.size <= MOST_LAGS + 1
@@ -212,7 +215,7 @@ def filter_to_power(cells, normals, taps, quantiles, mean_power, power):
     per_unit = np.float32(PER_UNIT)
     last = np.float32(quantiles.size - 2)
     n_taps = taps.size
-    # The rows that the filter reaches, by turns.
+    # A ring of the last rows, as many as the filter has taps.
     rows = np.empty((n_taps, n_range_lines), dtype=np.float32)
     field = np.empty(n_range_lines, dtype=np.float32)
     for row in range(cells.shape[0]):

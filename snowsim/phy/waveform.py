@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.special import erfc, erfcx
 
-# Where the closed form, the peak and the width were checked against 80 digits; PHY refuses
-# anything else.
+# Limits within which the closed form, the peak and the width were checked against 80 digits. PHY
+# refuses values outside.
 SAFE_RANGE = {"variance_bins2": (1e-12, 1e12), "decay_rate": (1e-12, 1e6)}
 
 _SQRT2 = np.sqrt(2.0)
@@ -13,11 +13,10 @@ _SQRT_HALF_PI = np.sqrt(np.pi / 2)
 
 
 def waveform_exact(x_bins, variance_bins2, decay_rate):
-    """Mean waveform of one layer of unit power, not normalised.
+    """Mean waveform of one layer at `x_bins` below the centre of its Gaussian; broadcasts.
 
-    At `x_bins` below the Gaussian's centre; broadcasts. A Gaussian of variance `variance_bins2`
-    [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per bin]; zero where it
-    underflows.
+    A Gaussian of height 1 and variance `variance_bins2` [bins^2] is convolved with a one-sided
+    exponential of height 1 and rate `decay_rate` [per bin]. The result is zero where it underflows.
 
     Notes
     -----
@@ -47,7 +46,7 @@ def waveform_exact(x_bins, variance_bins2, decay_rate):
 
 @np.errstate(under="ignore")
 def waveform_peak(variance_bins2, decay_rate):
-    """How far the waveform peaks below the Gaussian's centre [bins] and its value there.
+    """Depth of the waveform's peak below the Gaussian's centre [bins], and its value there.
 
     Two ndarray; broadcasts. ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi
     d)) / a``, so ``value = exp(-x^2 / 2d) / a``. Newton's method on ``log erfcx``, convex and
@@ -89,7 +88,7 @@ def waveform_width(variance_bins2, decay_rate):
 
 
 def _is_settled(step, value):
-    """Whether steps of Newton's method are so small that one more leaves rounding only."""
+    """True if steps of Newton's method are so small that one more leaves rounding only."""
     return np.all(np.abs(step) <= 1e-9 * (1 + np.abs(value)))
 
 
