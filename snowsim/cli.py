@@ -43,15 +43,14 @@ def commands():
     """
 
 
-@commands.command(short_help="Scenes in the published benchmark's layout, or as NetCDF.")
+@commands.command(short_help="Scenes as image pairs, the published benchmark's layout.")
 @click.argument("sources", nargs=-1, required=True, type=EXISTING)
 @click.argument("folder", type=FOLDER)
 @click.option(
     "--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes."
 )
-@click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
 @into_option
-def export(sources, folder, layers, netcdf, force):
+def export(sources, folder, layers, force):
     """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image
     pairs, or of one echogram with its --layers, which is levelled and cut into blocks of 256 range
     lines.
@@ -60,10 +59,9 @@ def export(sources, folder, layers, netcdf, force):
     Examples:
       snowsim export results/phy/labels/*.nc for_training/
       snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
-      snowsim export my_scenes/ as_netcdf/ --netcdf
     """  # noqa: D205, D301
     from snowsim.io.frames import read_frame, scenes_of_frame
-    from snowsim.io.pairs import check_empty, export_netcdf, export_pairs
+    from snowsim.io.pairs import check_empty, export_pairs
     from snowsim.progress import shown
 
     if not force:
@@ -80,19 +78,16 @@ def export(sources, folder, layers, netcdf, force):
         scenes, skipped = scenes_of_frame(row, echogram, picked)
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
-    written = export_netcdf if netcdf else export_pairs
-    echo_counts(written(folder, shown(scenes, unit="scene")))
+    echo_counts(export_pairs(folder, shown(scenes, unit="scene")))
 
 
 def scene_set(source):
-    """Scenes of a file or of a folder, image pairs or exported; an echogram needs its layers."""
+    """Scenes of a scene set, or of a folder of image pairs; an echogram needs its layers."""
     from snowsim.io.containers import ECHOGRAMS, format_of, in_words, opened
     from snowsim.io.files import is_zarr
-    from snowsim.io.pairs import ExportedSet, PairSet, exported_in
+    from snowsim.io.pairs import PairSet
     from snowsim.io.scenes import SceneSet
 
-    if exported_in(source):
-        return ExportedSet(source)
     if source.is_dir() and not is_zarr(source):
         return PairSet(source)
     try:
@@ -112,8 +107,8 @@ def scene_set(source):
 @click.argument("file", type=EXISTING)
 def info(file):
     """Say what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
-    statistics, an image or an array, or a folder of image pairs or exported scenes; its sizes,
-    radar, time and place. For an echogram, print the notes that `snowsim track` would give.
+    statistics, an image or an array, or a folder of image pairs; its sizes, radar, time and place.
+    For an echogram, print the notes that `snowsim track` would give.
 
     \b
     Examples:
@@ -151,13 +146,6 @@ def track_notes(path, echogram):
     help="Statistics of a flight; default: those of the reference flight.",
 )
 @click.option(
-    "--format",
-    "form",
-    type=click.Choice(["pairs", "netcdf", "zarr"]),
-    default="pairs",
-    help="Format of the files.",
-)
-@click.option(
     "--range-lines",
     "n_range_lines",
     type=click.IntRange(2, MOST_RANGE_LINES),
@@ -181,21 +169,21 @@ def track_notes(path, echogram):
 )
 @into_option
 @seed_option
-def scenes(folder, n, statistics, form, force, seed, **settings):
-    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER:
-    as image pairs in the published benchmark's layout, or as NetCDF or Zarr.
+def scenes(folder, n, statistics, force, seed, **settings):
+    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER
+    as image pairs in the published benchmark's layout.
 
     \b
     Examples:
       snowsim scenes for_training/
-      snowsim scenes few/ -n 20 --range-bins 512 --format netcdf --seed 1
+      snowsim scenes few/ -n 20 --range-bins 512 --seed 1
       snowsim scenes mine/ --statistics results/statistics.nc
     """  # noqa: D205, D301
     from snowsim.front import scenes
 
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
     with echo_warnings():
-        counts = drawn.write(folder, form, force=force)
+        counts = drawn.write(folder, force=force)
     echo_counts(counts)
 
 

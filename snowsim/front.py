@@ -12,7 +12,7 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, to_uint8
 from snowsim.io.files import read_dataset
-from snowsim.io.pairs import check_empty, export_netcdf, export_pairs, export_zarr
+from snowsim.io.pairs import check_empty, export_pairs
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render_scene
@@ -20,7 +20,6 @@ from snowsim.progress import shown
 from snowsim.seeding import generator, random_stream
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
-EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
 
 
 @dataclass(frozen=True)
@@ -99,18 +98,17 @@ class Scenes(Sequence):
         notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
         return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
 
-    def write(self, folder, format="pairs", *, indices=None, force=False):
-        """Write all, or those of `indices`, to a folder, by `snowsim.io.pairs`; gives its counts.
+    def write(self, folder, *, indices=None, force=False):
+        """Write all scenes, or those of `indices`, to a folder as image pairs.
 
-        `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
-        another. A folder that is not empty is refused, unless by `force`: then files of the same
-        name are replaced and others stay.
+        Returns the counts of `snowsim.io.pairs.export_pairs`, which describes the layout. A folder
+        that is not empty is refused, unless by `force`: then files of the same name are replaced
+        and others stay.
         """
-        check_choice("format", format, EXPORTS)
         if not force:
             check_empty(folder)
         indices = shown(range(len(self)) if indices is None else indices, unit="scene")
-        return EXPORTS[format](folder, (self.scene(index) for index in indices))
+        return export_pairs(folder, (self.scene(index) for index in indices))
 
 
 def _rendered(scene, renderer):

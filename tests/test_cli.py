@@ -10,6 +10,7 @@ import formats
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 from toy_scenes import toy_scenes
 
@@ -18,7 +19,7 @@ from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
 from snowsim.io import (
     PairSet,
-    export_netcdf,
+    export_pairs,
     read_tracker,
     write_image,
     write_scenes,
@@ -53,6 +54,8 @@ def place(tmp_path, rng, monkeypatch):
         Path(cut).write_bytes(Path(whole).read_bytes()[:-1000])
     Path("text.nc").write_text("no dataset")
     Path("b_layers.nc").touch()
+    lines = {name: ("range_line", RAMP[0]) for name in ("layer_bins", "mask")}
+    xr.Dataset(lines).to_netcdf("scene_a.nc")
     formats.opr_dataset(formats.truth(rng)).to_netcdf("echogram.nc")
     return tmp_path
 
@@ -77,6 +80,7 @@ def place(tmp_path, rng, monkeypatch):
         ),
         ("score empty true", 1, "empty: pairs: expected files .png, .npy, each with"),
         ("info text.nc", 1, "text.nc: content: expected"),
+        ("info scene_a.nc", 1, "found one scene (xarray opens it; export its scene set)"),
         ("info empty", 1, "empty: scenes: expected files data_*.png"),
         ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
         (
@@ -116,9 +120,8 @@ def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
 
 WRITING = [
     "export frames out",
-    "export frames out --netcdf",
     "simulate out/a.nc --range-lines 9",
-    "scenes out -n 1 --range-lines 64 --format zarr",
+    "scenes out -n 1 --range-lines 64",
 ]
 
 
@@ -160,7 +163,7 @@ TOLD = {
     ],
     "layers.mat": ["format  CReSIS layers\n", "layers  id 1\n", "place   70.0"],
     "scenes.nc": ["a set of scenes\n", "3 scenes of 96 range bins, 64 range lines, 3 to 4 layers"],
-    "set": ["format  a folder of 2 exported scenes", "range_bin 96"],
+    "set": ["format  a folder of benchmark pairs\n", "2 scenes of 96 range bins"],
     "mask.png": ["format  a PNG image\n", "range_bin 50, range_line 20"],
     "shades.npy": ["range_bin 50, range_line 20"],
     REFERENCE: ["format  statistics of a flight\n", "layer 57"],
@@ -185,7 +188,7 @@ def test_info_says_what_a_file_is_and_what_tracking_would_note(tmp_path, rng, mo
     scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
     fewer = dataclasses.replace(scenes[0], name="fewer", layer_bins=scenes[0].layer_bins[:3])
     write_scenes("scenes.nc", [fewer, *scenes])
-    export_netcdf(tmp_path / "set", scenes)
+    export_pairs(tmp_path / "set", scenes)
     write_image(tmp_path / "mask.png", TRUTH)
     np.save("shades.npy", RAMP)
     for name, parts in TOLD.items():
@@ -202,9 +205,9 @@ def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of
     with netCDF4.Dataset("test.nc", "r+") as file:
         file["Surface"][:] -= 30 * formats.BIN_S
     main(["export", "test.nc", "--layers", formats.LAYERS_FILE, "pairs"])
-    main(["export", "pairs", "datasets", "--netcdf"])
+    main(["export", "pairs", "again"])
     out, err = capsys.readouterr()
-    assert out.splitlines() == ["n_scenes 1, n_merged_pixels 0", "n_scenes 1"]
+    assert out.splitlines() == 2 * ["n_scenes 1, n_merged_pixels 0"]
     (line,) = err.splitlines()
     assert line.startswith(f"warning: {formats.LAYERS_FILE}: layer 0 lies 30 range bins")
     (scene,) = PairSet("pairs")

@@ -62,11 +62,12 @@ def test_a_scene_is_the_same_in_any_order_number_and_process(drawn):
     assert len(list(drawn)) == 6
 
 
-def test_scenes_are_written_in_every_format_and_written_over(tmp_path, drawn):
+def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
     some = drawn[4:1:-2]
-    for form in ("pairs", "netcdf", "zarr"):
-        assert some.write(tmp_path / form, form)["n_scenes"] == 2
-    assert some.write(tmp_path / "zarr", "zarr", force=True)["n_scenes"] == 2
+    assert some.write(tmp_path / "pairs")["n_scenes"] == 2
+    with pytest.raises(ValueError, match="expected an empty or a new one"):
+        some.write(tmp_path / "pairs")
+    assert some.write(tmp_path / "pairs", force=True)["n_scenes"] == 2
     assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[0][0])
 
 

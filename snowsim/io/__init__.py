@@ -13,11 +13,8 @@ MODULES = {
     "layers": ["open_segment", "read_layers", "write_layer_files", "write_layers"],
     "models": ["fingerprint", "read_model", "read_tracker", "write_model"],
     "pairs": [
-        "ExportedSet",
         "PairSet",
-        "export_netcdf",
         "export_pairs",
-        "export_zarr",
         "layer_numbers",
         "layers_of_labels",
         "read_image",

@@ -65,7 +65,7 @@ FORMATS = {
     "cresis_layer_data": ("old CReSIS layers", ("layerData", "GPS_time")),
     "organizer": ("a CReSIS layer organizer", ("lyr_id", "lyr_name")),
     "scenes": ("a set of scenes", ("layer_bins", "n_range_bins", "n_layers")),
-    "scene": ("an exported scene", ("layer_bins", "mask")),
+    "scene": ("one scene (xarray opens it; export its scene set)", ("layer_bins", "mask")),
     "statistics": ("statistics of a flight", ("peak_power", "variance_bins2", "zone_edge_bins")),
 }
 ECHOGRAMS = ("nsidc", "cresis", "opr")

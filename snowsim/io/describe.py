@@ -7,9 +7,9 @@ import xarray as xr
 
 from snowsim.alignment import bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened, read_values
+from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
-from snowsim.io.pairs import ANY_GREY, PairSet, exported_in, read_image
+from snowsim.io.pairs import ANY_GREY, PairSet, read_image
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
@@ -25,10 +25,6 @@ def describe(path):
     no dataset, None.
     """
     path = Path(path)
-    exported = exported_in(path)
-    if exported:
-        what = f"a folder of {len(exported)} exported scenes, of which this is one"
-        return _described(what, read_values(exported[0]))
     if path.is_dir() and not is_zarr(path):
         return _described_scenes("a folder of benchmark pairs", PairSet(path))
     if path.suffix == ".npy":
@@ -38,7 +34,7 @@ def describe(path):
     if picture:
         return _described(f"a {picture} image", _image(read_image(path, ANY_GREY, content)[0]))
     stored = opened(path, content)
-    kind = format_of(stored, (*ECHOGRAMS, *LAYERS, "scenes", "scene", "statistics"))
+    kind = format_of(stored, (*ECHOGRAMS, *LAYERS, "scenes", "statistics"))
     if kind == "scenes":
         with SceneSet(path) as scenes:
             return _described_scenes(in_words(kind), scenes)

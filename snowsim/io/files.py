@@ -4,7 +4,6 @@ import errno
 import glob
 import os
 import shutil
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -110,8 +109,6 @@ def image_format_of(path):
 
 # Less is no room: HDF5 keeps about as much in its buffers when it fails.
 FULL_DISK_BYTES = 2**20
-MOST_TRIES = 20  # to remove a folder
-SETTLES_S = 0.02  # between them
 
 
 @contextmanager
@@ -119,19 +116,16 @@ def written_whole(path):
     """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
 
     What a killed process left beside the same path is removed: nobody renames it any more. Where
-    HDF5 says only "HDF error", the room that is left shows whether the disk was full. A folder, as
-    of Zarr, replaces one of its name.
+    HDF5 says only "HDF error", the room that is left shows whether the disk was full.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # The ending stays: some writers choose the format by it.
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     for left in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}"):
-        _remove(left)
+        left.unlink(missing_ok=True)
     try:
         yield aside
-        if aside.is_dir() and path.is_dir():
-            _remove(path)
         aside.replace(path)
     except (OSError, RuntimeError) as error:
         reason = _no_room(path, error)
@@ -140,7 +134,7 @@ def written_whole(path):
         msg = f"{path}: cannot be written, {reason}"
         raise OSError(msg) from error
     finally:
-        _remove(aside)
+        aside.unlink(missing_ok=True)
 
 
 def write_bytes(path, content):
@@ -158,19 +152,6 @@ def _no_room(path, error):
     if number in (errno.EDQUOT, errno.EFBIG) or str(error).startswith("NetCDF: "):
         return getattr(error, "strerror", None) or error
     return None
-
-
-def _remove(path):
-    if not path.is_dir():
-        path.unlink(missing_ok=True)
-        return
-    # Threads of a Zarr store that failed may still write to it.
-    for _ in range(MOST_TRIES):
-        shutil.rmtree(path, ignore_errors=True)
-        time.sleep(SETTLES_S)
-        if not path.exists():
-            return
-    shutil.rmtree(path)
 
 
 def write_dataset(path, dataset, *, compress=False):

@@ -1,8 +1,6 @@
-"""The published benchmark's pairs of image and labels, read and written; scenes exported."""
+"""Image pairs in the layout of the published benchmark, read and written."""
 
-import importlib.util
 import io
-import json
 import re
 import warnings
 from collections.abc import Sequence
@@ -10,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -24,8 +21,6 @@ from snowsim.io.files import (
     refusal,
     report,
     write_bytes,
-    write_dataset,
-    written_whole,
 )
 from snowsim.progress import shown
 
@@ -132,7 +127,10 @@ class PairSet(Sequence):
         if not self.names or missing or twice:
             expected = "files data_*.png or data_*.mat that are there, of names that differ"
             found = f"{len(self)}, {len(missing)} missing: {listed(missing)}; "
-            raise refusal(path, "scenes", expected, f"{found}twice: {listed(twice)}")
+            found += f"twice: {listed(twice)}"
+            if path.is_dir() and [*path.glob("scene_*.nc"), *path.glob("scene_*.zarr")]:
+                found = "scenes as NetCDF or Zarr: export the scene set as image pairs instead"
+            raise refusal(path, "scenes", expected, found)
 
     def __len__(self):
         return len(self._paths)
@@ -175,37 +173,6 @@ class PairSet(Sequence):
                 failed.append(f"{row['name']}: {expected}, found {row['n_range_lines']}")
         report(failed, f"{len(failed)} of {len(self)} scenes fail:")
         return rows
-
-
-class ExportedSet(Sequence):
-    """Scenes of a folder as `export_netcdf` or `export_zarr` wrote it; read when asked for."""
-
-    def __init__(self, path):
-        self._paths = exported_in(path)
-
-    def __len__(self):
-        return len(self._paths)
-
-    def __getitem__(self, item):
-        return _exported_scene(self._paths[item])
-
-
-def exported_in(path):
-    """Exported scenes in a folder."""
-    path = Path(path)
-    return sorted(path.glob("scene_*.nc")) or sorted(path.glob("scene_*.zarr"))
-
-
-def _exported_scene(path):
-    """The scene in a file of `export_netcdf`, or a store of `export_zarr`."""
-    held = read_values(path)
-    with library_errors(path, f"expected a whole scene of format {FORMAT!r}"):
-        known = {name: held.attrs[name] for name in NUMBERS_IN_TEXT}
-        arrays = {name: held[name].values for name in ARRAYS if name in held}
-        notes = json.loads(held.attrs["notes"])
-        return Scene(
-            held.attrs["name"], int(held.attrs["n_range_bins"]), **arrays, notes=notes, **known
-        )
 
 
 def tells_db(scene):
@@ -330,8 +297,6 @@ def _is_8_bit(values):
     return bool(((values >= 0) & (values <= 255) & (values == np.floor(values))).all())
 
 
-FORMAT = "snowsim scene 1"
-ARRAYS = ("layer_bins", "complete_layer_bins", "image")
 LAYERS = ("annotated", "complete")
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 # Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
@@ -365,9 +330,12 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     """
     folder = Path(folder)
     check_choice("layers", layers, LAYERS)
-    n_scenes = 0
+    names = []
     n_merged = 0
-    for scene in _listed(folder, scenes, list_name, "data_{}.png"):
+    for scene in scenes:
+        if not NAME.fullmatch(scene.name) or scene.name in names:
+            expected = f"{PLAIN_NAME}, unlike all others"
+            raise refusal(folder, "scene", expected, repr(scene.name))
         if scene.image is None or "data_" in folder.name:
             expected = "an image; the folder's name must not contain data_, which loaders replace"
             raise refusal(folder, scene.name, expected, "none, or such a name")
@@ -379,9 +347,10 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
         write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
         write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
         write_image(folder / f"layer_{scene.name}.png", numbers)
-        n_scenes += 1
+        names.append(scene.name)
         n_merged += merged
-    return {"n_scenes": n_scenes, "n_merged_pixels": n_merged}
+    write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
+    return {"n_scenes": len(names), "n_merged_pixels": n_merged}
 
 
 def layer_numbers(layer_bins, n_range_bins):
@@ -400,67 +369,3 @@ def layer_numbers(layer_bins, n_range_bins):
         n_merged += int(np.count_nonzero(numbers[drawn]))
         numbers[drawn] = number
     return numbers, n_merged
-
-
-def export_netcdf(folder, scenes, *, list_name="all.lst"):
-    """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file.
-
-    Nothing is rounded. `image` (range_bin, range_line), `layer_bins` and perhaps
-    `complete_layer_bins` (layer, range_line), `mask`; what grey levels mean, zone and notes are
-    attributes. Scenes, with or without images, are held one at a time.
-    """
-    return _export_datasets(folder, scenes, list_name, "nc")
-
-
-def export_zarr(folder, scenes, *, list_name="all.lst"):
-    """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
-    if importlib.util.find_spec("zarr") is None:
-        raise refusal(folder, "Zarr", "package zarr (pip install 'zarr>=3')", "none")
-    return _export_datasets(folder, scenes, list_name, "zarr")
-
-
-def _export_datasets(folder, scenes, list_name, ending):
-    folder = Path(folder)
-    n_scenes = 0
-    for scene in _listed(folder, scenes, list_name, f"scene_{{}}.{ending}"):
-        path = folder / f"scene_{scene.name}.{ending}"
-        if ending == "nc":
-            write_dataset(path, _dataset(scene))
-        else:
-            with written_whole(path) as aside:
-                _dataset(scene).to_zarr(aside, mode="w", consolidated=False)
-        n_scenes += 1
-    return {"n_scenes": n_scenes}
-
-
-def _dataset(scene):
-    attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
-    for name, kind in NUMBERS_IN_TEXT.items():
-        attributes[name] = kind(getattr(scene, name))
-    attributes["notes"] = json.dumps(scene.notes, sort_keys=True)
-    dataset = xr.Dataset(attrs=attributes)
-    for name, rows in {"layer_bins": "layer", "complete_layer_bins": "complete_layer"}.items():
-        layer_bins = getattr(scene, name)
-        if layer_bins is not None:
-            layer_bins = np.asarray(layer_bins, dtype=float)
-            dataset[name] = ((rows, "range_line"), layer_bins, {"units": "bin"})
-    pixels = ("range_bin", "range_line")
-    if scene.image is not None:
-        meaning = {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"}
-        dataset["image"] = (pixels, scene.image, meaning)
-    mask = scene.mask().astype(np.uint8)
-    dataset["mask"] = (pixels, mask, {"long_name": "1 on a layer"})
-    return dataset
-
-
-def _listed(folder, scenes, list_name, file_name):
-    """Scenes whose names a loader will not trip over, one by one; then their files are listed."""
-    names = []
-    for scene in scenes:
-        if not NAME.fullmatch(scene.name) or scene.name in names:
-            expected = f"{PLAIN_NAME}, unlike all others"
-            raise refusal(folder, "scene", expected, repr(scene.name))
-        yield scene
-        names.append(scene.name)
-    lines = [f"{file_name.format(name)}\n" for name in names]
-    write_bytes(folder / list_name, "".join(lines).encode())

@@ -14,18 +14,14 @@ from refusals import refusal
 
 from snowsim.echogram import Scene, layer_mask
 from snowsim.io import (
-    ExportedSet,
     PairSet,
-    export_netcdf,
     export_pairs,
-    export_zarr,
     layer_numbers,
     layers_of_labels,
     read_image,
     read_mask,
     read_pair,
 )
-from snowsim.io.containers import read_values
 from snowsim.io.describe import describe
 from snowsim.io.pairs import ANY_GREY
 
@@ -78,18 +74,10 @@ def test_complete_layers_can_be_the_labels_and_merged_pixels_are_counted(tmp_pat
     assert n_merged == 1
 
 
-@pytest.mark.parametrize("export", [export_netcdf, export_zarr])
-def test_exported_scenes_come_back_exactly(tmp_path, scenes, export):
-    scenes[1].image = scenes[1].complete_layer_bins = None
-    assert export(tmp_path / "set", scenes) == {"n_scenes": 3}
-    files = (tmp_path / "set" / "all.lst").read_text().split()
-    for file, scene, back in zip(files, scenes, ExportedSet(tmp_path / "set"), strict=True):
-        found = read_values(tmp_path / "set" / file)
-        for name in ("image", "layer_bins", "complete_layer_bins"):
-            assert_array_equal(getattr(back, name), getattr(scene, name))
-        assert_array_equal(found["mask"], scene.mask())
-        for name in ("name", "n_range_bins", "noise_floor_db", "maximum_db", "zone", "notes"):
-            assert getattr(back, name) == getattr(scene, name)
+@pytest.mark.parametrize("name", ["scene_x.nc", "scene_x.zarr"])
+def test_folders_of_scenes_as_netcdf_or_zarr_are_refused_with_what_to_do(tmp_path, name):
+    (tmp_path / name).touch()
+    refused(PairSet, tmp_path, "found scenes as NetCDF or Zarr: export the scene set as image pa")
 
 
 def test_a_mask_alone_gives_positions_below_a_gap_not_numbers(rng):

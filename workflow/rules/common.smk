@@ -73,7 +73,6 @@ wildcard_constraints:
     training_set="|".join(TRAINING_SETS | ALONE),
     scored_set=r"\w+",
     set="rd|pd|gd",
-    format="pairs|netcdf",
 
 
 def shards(scenes):

@@ -1,4 +1,4 @@
-# Scene sets for other people's code, in the published benchmark's layout and for xarray.
+# Scenes for other people's code, as image pairs in the published benchmark's layout.
 
 EXPORT = config["export"]
 # Files of every exported set by split, and below what the set is, in words.
@@ -18,24 +18,24 @@ rule export_scenes:
     input:
         scenes=lambda w: sum(EXPORTS[w.set].values(), []),
     output:
-        folder=directory("results/export/{format}/{set}"),
+        folder=directory("results/export/pairs/{set}"),
     log:
-        "logs/export_scenes/{format}/{set}.log",
+        "logs/export_scenes/{set}.log",
     benchmark:
-        "results/benchmarks/export_scenes/{format}_{set}.tsv"
+        "results/benchmarks/export_scenes/{set}.tsv"
     params:
         lists=lambda w: EXPORTS[w.set],
         layers=EXPORT["layers"],
         what=lambda w: WHAT[w.set],
     message:
-        "{wildcards.set} as {wildcards.format}"
+        "{wildcards.set} as image pairs"
     script:
         "../scripts/export_scenes.py"
 
 
 rule export:
     input:
-        expand("results/export/{format}/{set}", format=EXPORT["formats"], set=EXPORT["sets"]),
+        expand("results/export/pairs/{set}", set=EXPORT["sets"]),
     message:
         "scenes for other code"
 

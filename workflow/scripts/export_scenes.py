@@ -1,11 +1,11 @@
-"""One scene set in one format for other people's code: a folder with a list for each part."""
+"""One set of scenes as image pairs for other people's code, with a list for each part."""
 
 from pathlib import Path
 
 from job import job, progress
 
 from snowsim.io.files import written_whole
-from snowsim.io.pairs import export_netcdf, export_pairs
+from snowsim.io.pairs import export_pairs
 from snowsim.io.scenes import SceneSet
 
 with job(snakemake):
@@ -15,11 +15,8 @@ with job(snakemake):
         list_name = f"{name}.lst"
         with SceneSet(paths) as scenes:
             shown = progress(scenes, f"export of {name}")
-            if snakemake.wildcards.format == "pairs":
-                layers = snakemake.params.layers
-                counts = export_pairs(folder, shown, list_name=list_name, layers=layers)
-            else:
-                counts = export_netcdf(folder, shown, list_name=list_name)
+            layers = snakemake.params.layers
+            counts = export_pairs(folder, shown, list_name=list_name, layers=layers)
         text = ", ".join(f"{key} {count}" for key, count in counts.items())
         lines.append(f"{list_name}: {text}")
     about = "".join(f"{line}\n" for line in lines)
