@@ -11,8 +11,7 @@ import pandas as pd
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask, to_uint8
-from snowsim.io.containers import read_values
+from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask
 from snowsim.io.files import (
     content_of,
     library_errors,
@@ -90,18 +89,15 @@ def write_image(path, image, numbers=None):
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
 THICKEST_PIXELS = 15  # of a layer in a column, in the median
-DATA_SCALES = ("power", "db")
 LABEL_PREFIXES = ("layer_", "layer_binary_")
 
 
 class PairSet(Sequence):
     """Scenes in the layout of the published benchmark; a scene is read when it is asked for.
 
-    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a
-    scene, by name; or a list file with one such name a line, relative to the list (a second name,
-    the label, is not needed). `data_scale`, "power" or "db", says what floating-point `data` of
-    .mat pairs are, which non-negative numbers do not tell. No scene, a missing file or a name that
-    comes twice is refused.
+    `path` is a directory, of which every `data_*.png` is a scene, by name; or a list file with one
+    such name a line, relative to the list (a second name, the label, is not needed). No scene, a
+    missing file, a name that comes twice and files other than PNG are refused.
 
     A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of
     `data_`. Layer number k is row k - 1 of `layer_bins`; numbers that occur nowhere between others
@@ -111,21 +107,21 @@ class PairSet(Sequence):
     both labels are there, they must agree.
     """
 
-    def __init__(self, path, *, data_scale=None):
+    def __init__(self, path):
         path = Path(path)
-        check_choice("data_scale", data_scale, (None, *DATA_SCALES))
-        self._data_scale = data_scale
         if path.is_dir():
             self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
         else:
             with library_errors(path, "expected a folder, or a list with one file name a line"):
                 lines = path.read_text(encoding="utf-8-sig").splitlines()
             self._paths = [path.parent / line.split()[0] for line in lines if line.strip()]
+        for file in self._paths:
+            _check_png(file)
         self.names = [scene_name(file) for file in self._paths]
         missing = [file.name for file in self._paths if not file.is_file()]
         twice = {name for name in self.names if self.names.count(name) > 1}
         if not self.names or missing or twice:
-            expected = "files data_*.png or data_*.mat that are there, of names that differ"
+            expected = "files data_*.png that are there, of names that differ"
             found = f"{len(self)}, {len(missing)} missing: {listed(missing)}; "
             found += f"twice: {listed(twice)}"
             if path.is_dir() and [*path.glob("scene_*.nc"), *path.glob("scene_*.zarr")]:
@@ -136,7 +132,7 @@ class PairSet(Sequence):
         return len(self._paths)
 
     def __getitem__(self, item):
-        return read_pair(self._paths[item], data_scale=self._data_scale)
+        return read_pair(self._paths[item])
 
     def files(self, span):
         """Files a slice of scenes is read from: images and labels."""
@@ -185,21 +181,24 @@ def scene_name(path):
     return path.stem.removeprefix("data_")
 
 
-def read_pair(path, *, data_scale=None):
-    """Scene of one `data_*` file and the labels beside it; see `PairSet`.
+def _check_png(path):
+    """Raise ValueError if the image of a pair is no PNG file by its name."""
+    if path.suffix != ".png":
+        expected = "data_*.png (snowsim.io.write_image saves an array of uint8)"
+        raise refusal(path, "pair", expected, path.name)
+
+
+def read_pair(path):
+    """Scene of one `data_*.png` and the labels beside it; see `PairSet`.
 
     Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased
     masks; bad images.
     """
     path = Path(path)
+    _check_png(path)
     with library_errors(path):
-        values = {}
-        if path.suffix == ".mat":
-            values = read_values(path, ("data", "layer"))
-            image, numbers = _mat_image(path, values["data"], data_scale)
-        else:
-            image, numbers = read_image(path)
-        label, drawn = pair_labels(path, values.get("layer"))
+        image, numbers = read_image(path)
+        label, drawn = pair_labels(path)
     if drawn.shape != image.shape:
         raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)
     layer_bins = layers_of_labels(drawn, label)
@@ -252,49 +251,24 @@ def labels_beside(path):
     return [label for label in labels if label.is_file()]
 
 
-def pair_labels(path, within=None):
+def pair_labels(path):
     """File and labels of an image `data_*`: uint8 layer numbers, or a mask of bool.
 
-    They are beside it, else those `within` it, as of a MAT file. Numbers and a mask must agree.
+    If both are there, numbers and mask must agree.
     """
-    first, *others = labels_beside(path) or [path]
-    is_within = first == path
-    if is_within and within is None:
+    labels = labels_beside(path)
+    if not labels:
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
-    drawn = _drawn_labels(first, within if is_within else None)
+    first, *others = labels
+    drawn = _drawn_labels(first)
     for other in others:
         if not np.array_equal(_drawn_labels(other), drawn > 0):
             raise refusal(other, "mask", f"what {first.name} has", "a difference")
     return first, drawn
 
 
-def _drawn_labels(path, values=None):
-    is_mask = path.name.startswith("layer_binary_")
-    if path.suffix == ".png":
-        return read_mask(path) if is_mask else read_image(path)[0]
-    values = read_values(path, ("layer",))["layer"] if values is None else values
-    if not _is_8_bit(values):
-        raise refusal(path, "layer", "whole numbers from 0 to 255", values.dtype)
-    values = np.atleast_2d(values)
-    return values > 0 if is_mask or values.dtype == bool else values.astype(np.uint8)
-
-
-def _mat_image(path, data, data_scale):
-    """8-bit image of `data`, and the numbers that tell what it stands for."""
-    data = np.atleast_2d(data)
-    if data_scale is None and _is_8_bit(data):
-        return data.astype(np.uint8), {}
-    scale = "db" if data.min() < 0 else data_scale
-    if scale is None:
-        raise refusal(path, "data", f"whole numbers to 255, or data_scale of {DATA_SCALES}", scale)
-    power = 10 ** (data / 10) if scale == "db" else data.astype(float)
-    image, noise_floor_db, maximum_db = to_uint8(power)
-    return image, {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
-
-
-def _is_8_bit(values):
-    """Whether all are whole numbers from 0 to 255."""
-    return bool(((values >= 0) & (values <= 255) & (values == np.floor(values))).all())
+def _drawn_labels(path):
+    return read_mask(path) if path.name.startswith("layer_binary_") else read_image(path)[0]
 
 
 LAYERS = ("annotated", "complete")

@@ -3,7 +3,6 @@
 import struct
 import zlib
 
-import formats
 import numpy as np
 import pandas as pd
 import pytest
@@ -93,27 +92,13 @@ def test_a_mask_alone_gives_positions_below_a_gap_not_numbers(rng):
     assert np.isnan(found[3, 10:20]).all()
 
 
-def test_nothing_is_guessed_of_mat_data_that_could_be_power_or_decibels(tmp_path, scenes):
-    image = scenes[0].image
-    numbers, _ = layer_numbers(scenes[0].layer_bins, len(image))
+def test_pairs_as_mat_files_are_refused_with_what_to_do(tmp_path):
     path = tmp_path / "data_x.mat"
-
-    def read_of(data):
-        formats.write_mat73(path, {"data": data, "layer": numbers})
-        return read_pair(path)
-
-    for data in (image, image.astype(float)):
-        assert_array_equal(read_of(data).image, image)
-    assert read_of(image - 200.5).maximum_db == image.max() - 200.5  # decibels
-    with refusal("data: expected whole numbers to 255, or data_scale"):
-        read_of(image + 0.5)
-    largest = image.max() + 0.5
-    for scale, maximum_db in {"power": 10 * np.log10(largest), "db": largest}.items():
-        assert PairSet(tmp_path, data_scale=scale)[0].maximum_db == pytest.approx(maximum_db)
-    # Labels may be in a file of their own.
-    formats.write_mat73(tmp_path / "layer_x.mat", {"layer": numbers.astype(float)})
-    formats.write_mat73(path, {"data": image})
-    assert_array_equal(PairSet(tmp_path)[0].mask(), scenes[0].mask())
+    path.touch()
+    (tmp_path / "all.lst").write_text("data_x.mat\n")
+    for read, source in ((read_pair, path), (PairSet, tmp_path / "all.lst"), (PairSet, tmp_path)):
+        with refusal(r"expected data_\*.png \(snowsim.io.write_image saves .*found data_x.mat"):
+            read(source)
 
 
 IMAGE = np.arange(300 * 256, dtype=np.uint32).reshape(300, 256).astype(np.uint8)

@@ -118,7 +118,7 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     assert ours.notna().all(axis=None)
     check_own(results)
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
-    changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "data_scale": "db"})
+    changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "contrast_db": 35.0})
     assert {"check_pairs", "import_pairs"} <= rules_planned(tmp_path, changed)[0]
 
 

@@ -18,7 +18,7 @@ def observed(config):
         return {}
     if source == "png_pairs":
         pairs = own["pairs"]
-        return own_pairs(pairs["folder"], pairs["lists"], pairs["data_scale"])
+        return own_pairs(pairs["folder"], pairs["lists"])
     return own_frames(own["frames"])
 
 
@@ -115,18 +115,14 @@ def frame_inputs(row, source):
     return {"echogram": row["echogram"], "layers": row["layers"], "files": files}
 
 
-def own_pairs(folder, lists, data_scale):
+def own_pairs(folder, lists):
     """A `PairSet` for each split that has a list; ValueError if a scene is in two lists."""
     from snowsim.io.pairs import PairSet
 
     if folder is None:
         msg = "config: import.pairs.folder: expected a folder of the published benchmark, got null"
         raise ValueError(msg)
-    pairs = {
-        split: PairSet(Path(folder) / name, data_scale=data_scale)
-        for split, name in lists.items()
-        if name
-    }
+    pairs = {split: PairSet(Path(folder) / name) for split, name in lists.items() if name}
     seen = {}
     for split, scenes in pairs.items():
         for scene in scenes.names:
@@ -140,7 +136,7 @@ def own_pairs(folder, lists, data_scale):
     return pairs
 
 
-def check_lists(lists, *, data_scale, contrast_db):
+def check_lists(lists, *, contrast_db):
     """Table of every scene in the lists, with its split.
 
     One ValueError names all scenes that cannot be read. All scenes must have the same number of
@@ -154,7 +150,7 @@ def check_lists(lists, *, data_scale, contrast_db):
     failed = []
     for split, path in lists.items():
         try:
-            checked = PairSet(path, data_scale=data_scale).check()
+            checked = PairSet(path).check()
             rows += [{"split": split, **row} for row in checked]
         except ValueError as error:
             failed.append(f"{path}: {error}")

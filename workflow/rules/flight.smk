@@ -73,7 +73,6 @@ elif SOURCE == "png_pairs":
             "results/benchmarks/check_pairs/all.tsv"
         params:
             lists=LISTS,
-            data_scale=PAIRS["data_scale"],
             contrast_db=PAIRS["contrast_db"],
         message:
             "check of all scenes"
@@ -95,7 +94,6 @@ elif SOURCE == "png_pairs":
             "results/benchmarks/import_pairs/{split}/{shard}.tsv"
         params:
             span=lambda w: shard_range(w.split, w.shard),
-            data_scale=PAIRS["data_scale"],
         message:
             "{wildcards.split} scenes, shard {wildcards.shard}"
         script:

@@ -8,7 +8,6 @@ from snowsim.io.files import write_table
 with job(snakemake):
     checked = check_lists(
         snakemake.params.lists,
-        data_scale=snakemake.params.data_scale,
         contrast_db=snakemake.params.contrast_db,
     )
     write_table(snakemake.output.table, checked)

@@ -6,7 +6,7 @@ from snowsim.io.pairs import PairSet
 from snowsim.io.scenes import write_scenes
 
 with job(snakemake):
-    pairs = PairSet(snakemake.input.listing, data_scale=snakemake.params.data_scale)
+    pairs = PairSet(snakemake.input.listing)
     numbers = progress(range(*snakemake.params.span), f"{snakemake.wildcards.split} scenes")
     chosen = (pairs[number] for number in numbers)
     write_scenes(snakemake.output.scenes, chosen, {"source": "png_pairs", "synthetic": "no"})
