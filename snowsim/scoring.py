@@ -271,7 +271,7 @@ def _count(pair, *, edges, thresholds, max_dist):
     _, prediction, truth = pair
     image = _read_image(prediction, truth)
     found = edges(image.probability, prediction)
-    counts = match_counts(found, image.mask, thresholds, max_dist=max_dist, where=str(prediction))
+    counts = match_counts(found, image.mask, thresholds, max_dist=max_dist)
     return counts | {"thickness": image.thickness}
 
 

@@ -9,7 +9,7 @@ from snowsim.echogram import echogram
 MODULES = {
     "echograms": ["read_echogram"],
     "files": ["read_dataset", "read_table", "write_dataset", "write_table", "written_whole"],
-    "frames": ["check_frames", "each_frame", "read_frame", "read_frames"],
+    "frames": ["check_frames", "read_frame", "read_frames"],
     "layers": ["open_segment", "read_layers", "write_layer_files", "write_layers"],
     "models": ["fingerprint", "read_model", "read_tracker", "write_model"],
     "pairs": [

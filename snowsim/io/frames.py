@@ -228,13 +228,3 @@ def _check_clock(path, layers, echogram):
             order = "later" if shift_s < 0 else "earlier"
             found = f"times {abs(shift_s)} s {order} than its own: is one of both GPS time?"
             raise refusal(path, "slow_time", "UTC as in the echogram", found)
-
-
-def each_frame(table, role=None, **options):
-    """Yield (echogram, layers) of every frame with a role, or of all, one by one.
-
-    `options` are those of `read_frame`.
-    """
-    for row in table.itertuples():
-        if role is None or row.role == role:
-            yield read_frame(row, **options)

@@ -97,7 +97,7 @@ def edge_counts(probability, scenes):
     edges = [suppress(each, added_curvature=0) for each in probability]
     thresholds = thresholds_of(edges)
     counts = [
-        match_counts(each, scene.mask(), thresholds, where=scene.name)
+        match_counts(each, scene.mask(), thresholds)
         for each, scene in zip(edges, scenes, strict=True)
     ]
     return counts, thresholds

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from refusals import refusal
 
 from snowsim.alignment import bin_size_s, layer_bins_of
-from snowsim.io import check_frames, each_frame, read_frame, read_frames
+from snowsim.io import check_frames, read_frame, read_frames
 
 LAYERS = formats.LAYERS_FILE
 
@@ -28,9 +28,9 @@ def flight(tmp_path, content):
 
 def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_its_sizes(table):
     assert table["frame"].tolist() == ["one", "two", "three"]
-    assert len(list(each_frame(table, "train"))) == 1
     for factor in (1, 3):  # not 2: a time read 1 ns earlier would tip halves of bins
-        for echogram, layers in each_frame(table, bin_s=factor * formats.BIN_S):
+        for row in table.itertuples():
+            echogram, layers = read_frame(row, bin_s=factor * formats.BIN_S)
             assert_allclose(bin_size_s(echogram), factor * formats.BIN_S, rtol=1e-9)
             bins = layer_bins_of(layers, echogram)
             # The surface is stepped by whole bins, so levelling leaves nothing of it.

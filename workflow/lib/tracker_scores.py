@@ -68,7 +68,7 @@ def count_edges(tracker, scenes, outputs=OUTPUTS, *, at=None, as_published=False
 
 def count_output(edges, name, mask, thresholds, grid, output):
     """Table of edge counts of one output on one scene."""
-    counts = match_counts(edges, mask, thresholds, where=name)
+    counts = match_counts(edges, mask, thresholds)
     keys = {"grid": grid, "output": output, "scene": name, "threshold": thresholds}
     return pd.DataFrame(keys | counts)
 

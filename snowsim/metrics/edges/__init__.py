@@ -15,7 +15,6 @@ from snowsim.metrics.edges.scores import (
     stack_counts,
 )
 from snowsim.metrics.edges.suppression import CURVATURE, suppress
-from snowsim.metrics.edges.thinning import thin
 
 __all__ = [
     "COUNTS",
@@ -28,6 +27,5 @@ __all__ = [
     "score",
     "stack_counts",
     "suppress",
-    "thin",
     "thresholds_of",
 ]

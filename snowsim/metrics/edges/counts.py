@@ -46,16 +46,7 @@ def thresholds_of(edges):
     return values[((1 - share) * values.size).astype(int)]
 
 
-def match_counts(
-    prediction,
-    truth,
-    thresholds,
-    *,
-    max_dist=0.0075,
-    max_dist_pixels=None,
-    thin=True,
-    where="image",
-):
+def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     """Count predicted and true pixels of one image that pair up, at every threshold.
 
     No suppression is done here: pass `suppress(prediction)` for the usual scores.
@@ -70,15 +61,10 @@ def match_counts(
         Thresholds in any order; counts come in the same order.
     max_dist : float
         Largest distance between the pixels of a pair, as a share of the image diagonal.
-    max_dist_pixels : float, optional
-        Largest distance in pixels, whatever the size of the image; replaces `max_dist`.
-    thin : bool or "full"
-        Whether to thin every thresholded map to one-pixel lines first, see
-        `snowsim.metrics.edges.thin`. True stops where the Python port of the Berkeley benchmark
-        (py-bsds500) stops, so that counts compare with published ones; "full" continues until
-        nothing changes, as scikit-image and MATLAB do, and leaves slightly fewer pixels.
-    where : str
-        Name of the image, for errors.
+    thin : bool
+        Whether to thin every thresholded map to one-pixel lines first, by algorithm A1 of Guo &
+        Hall (1989), Commun. ACM 32. It stops where the Python port of the Berkeley benchmark
+        (py-bsds500) stops, so that counts compare with published ones.
 
     Returns
     -------
@@ -91,7 +77,7 @@ def match_counts(
     ValueError
         If the prediction is empty, not a number or outside [0, 1]; sizes differ; the truth is not
         binary; there is no threshold or one is not finite; the distance is negative or not finite;
-        `thin` is unknown.
+        `thin` is not True or False.
 
     Notes
     -----
@@ -112,29 +98,28 @@ def match_counts(
     >>> counts["matched_prediction"], counts["n_prediction"], counts["n_truth"]
     (array([50, 50]), array([60, 50]), array([50, 50]))
     """
-    prediction = check_prediction(prediction, where)
+    prediction = check_prediction(prediction)
     truth = np.asarray(truth)
     if truth.shape != prediction.shape or not np.isin(truth, (0, 1)).all():
-        msg = f"{where}: truth must hold 0 and 1 alone in the prediction's shape, "
+        msg = "truth must hold 0 and 1 alone in the prediction's shape, "
         msg += f"{prediction.shape}, got shape {truth.shape}"
         raise ValueError(msg)
     truth = truth.astype(bool)
     thresholds = np.asarray(thresholds, dtype=float)
-    radius = max_dist * np.hypot(*truth.shape) if max_dist_pixels is None else max_dist_pixels
-    check_values(f"{where}: largest distance", radius, 0)
-    early = isinstance(thin, bool | np.bool_)
     is_row = thresholds.ndim == 1 and thresholds.size > 0 and np.isfinite(thresholds).all()
-    if not is_row or not (early or np.array_equal(thin, "full")):
-        msg = f'{where}: thresholds must be numbers in a row and thin True, False or "full", '
+    if not is_row or not isinstance(thin, bool | np.bool_):
+        msg = "thresholds must be numbers in a row and thin True or False, "
         msg += f"got {thresholds} and thin {thin!r}"
         raise ValueError(msg)
+    check_values("max_dist", max_dist, 0, number=True)
+    radius = max_dist * np.hypot(*truth.shape)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
     # Thinning needs a border of empty pixels; the truth gets one too, so that flat indices agree.
     matching = Matching(np.pad(truth, 1), radius)
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
     n_on = 0
-    for level, removed, added in _changes(np.pad(prediction, 1), levels, thin, early):
+    for level, removed, added in _changes(np.pad(prediction, 1), levels, thin):
         n_on += added.size - removed.size
         n_prediction[level] = n_on
         matched[level] = matching.update(removed, added)
@@ -146,7 +131,7 @@ def match_counts(
     }
 
 
-def _changes(framed, levels, thin, early):
+def _changes(framed, levels, thin):
     """Yield level, pixels switched off and pixels switched on (flat indices), from the top down."""
     above_lowest = framed >= levels[0]
     # The border is no part of the map, although its zeros reach a level of 0 or less.
@@ -172,7 +157,7 @@ def _changes(framed, levels, thin, early):
         switch_on(joining, on, codes, steps)
         thinned = on.copy()
         reached = pixels[:end]
-        thin_pixels(reached, thinned, codes.copy(), steps, DELETABLE, early)
+        thin_pixels(reached, thinned, codes.copy(), steps, DELETABLE)
         changed = reached[thinned[reached] != was_on[reached]]
         joined = thinned[changed] == 1
         was_on = thinned

@@ -14,7 +14,7 @@ STEEP = 1e150  # tangent of a right angle; its square is finite
 MARGIN = 1.01  # factor by which a neighbour must be stronger to suppress a pixel
 
 
-def check_prediction(prediction, where):
+def check_prediction(prediction, where="image"):
     """Edge map as float64 (range_bin, range_line).
 
     ValueError, naming `where`, unless it lies in [0, 1].

@@ -10,7 +10,8 @@ NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 
 def _deletable():
     """Whether a pixel of every code is removed by each half-step, bool (2, 256).
 
-    Conditions G1-G3 of the method, see `thin`.
+    Conditions G1-G3 of algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen
+    (1992), IEEE TPAMI 14.
     """
     on = (np.arange(256) >> np.arange(8)[:, None]) & 1 == 1
     x1, x2, x3, x4, x5, x6, x7, x8 = on
@@ -35,22 +36,6 @@ def neighbour_steps(row_length):
     return np.array([row * row_length + line for row, line in NEIGHBOURS])
 
 
-def thin(mask):
-    """Thin a binary map (range_bin, range_line) to lines of one pixel.
-
-    Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14.
-    It agrees pixel for pixel with ``skimage.morphology.thin``.
-    """
-    framed = np.pad(np.asarray(mask, dtype=bool), 1)
-    pixels = np.flatnonzero(framed)
-    on = np.zeros(framed.size, dtype=np.uint8)
-    codes = np.zeros(framed.size, dtype=np.uint8)
-    steps = neighbour_steps(framed.shape[1])
-    switch_on(pixels, on, codes, steps)
-    thin_pixels(pixels, on, codes, steps, DELETABLE, False)
-    return on.reshape(framed.shape)[1:-1, 1:-1].astype(bool)
-
-
 @njit(cache=True)
 def switch_on(pixels, on, codes, steps):
     """Add pixels to a flattened, framed map and to the codes of their neighbours, in place."""
@@ -61,11 +46,12 @@ def switch_on(pixels, on, codes, steps):
 
 
 @njit(cache=True)
-def thin_pixels(pixels, on, codes, steps, deletable, early):
+def thin_pixels(pixels, on, codes, steps, deletable):
     """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on.
 
-    If `early`, it stops once one of the two half-steps removes nothing, as the Python port of the
-    Berkeley benchmark (py-bsds500) does, and keeps a few pixels more.
+    Thinning stops once one of the two half-steps removes nothing, as in the Python port of the
+    Berkeley benchmark (py-bsds500). A few pixels more remain than in scikit-image and MATLAB, which
+    stop once neither half-step removes any.
     """
     # For each half-step the pixels it has still to visit.
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)
@@ -82,7 +68,7 @@ def thin_pixels(pixels, on, codes, steps, deletable, early):
             if on[pixel] and deletable[half, codes[pixel]]:
                 falling[n_falling] = pixel
                 n_falling += 1
-        if early and n_falling == 0:
+        if n_falling == 0:
             return
         lengths[half] = 0
         # All fall at once: every decision above saw the map as the half-step found it.

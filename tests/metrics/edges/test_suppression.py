@@ -3,8 +3,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 from scipy.ndimage import gaussian_filter, map_coordinates
+from slow_thinning import thin_slowly
 
-from snowsim.metrics.edges import suppress, thin
+from snowsim.metrics.edges import suppress
 from snowsim.metrics.edges.suppression import tangent_across, triangle_filter
 
 
@@ -36,7 +37,7 @@ def test_ridge_exactly_along_range_lines_keeps_its_width_as_published():
     crest = np.exp(-0.5 * ((np.arange(100) - 50) / 2) ** 2)
     edges = suppress(np.tile(crest[:, None], 120))[:, 20:-20]
     assert ((edges > 0.5).sum(axis=0) == 5).all()
-    assert_array_equal(np.nonzero(thin(edges > 0.5)[:, 5:-5])[0], 50)
+    assert_array_equal(np.nonzero(thin_slowly(edges > 0.5, early=True)[:, 5:-5])[0], 50)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 200), (3, 2), (200, 1), (6, 6), (30, 30)])
