@@ -1,6 +1,6 @@
-"""Layers of echograms without any annotation: a trained tracker, and files tracked with it.
+"""Tracks layers in echograms with a trained tracker: datasets in memory, or files to files.
 
-Only `snowsim.io` opens files, only `snowsim.tracker` knows how to pick: this joins them.
+`snowsim.io` opens the files and `snowsim.tracker` picks the layers; this module joins the two.
 """
 
 import os
@@ -40,8 +40,8 @@ from snowsim.tracker import (
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
 SURFACE_NAME = "surface"
-# Frames of a segment follow one another where no more time lies between them, or no more range
-# lines would.
+# A frame follows another if it begins within this time after the end of the other, or within the
+# time of this many range lines, whichever is longer.
 PAUSE_S = 2.0
 PAUSE_LINES = 5
 # Limits of the decibels that the greys of an image span where it does not say. Within them, the
@@ -57,15 +57,16 @@ def list_pretrained():
 
 
 class Tracker:
-    """A trained tracker, for echograms as `snowsim.io.read_echogram` gives them.
+    """A trained tracker that picks layers in echograms of `snowsim.io.read_echogram`.
 
-    Trained on synthetic scenes; no annotation of the echogram is used. Range lines, range bins and
-    the surface are brought to what it was trained on, and back.
+    It was trained on synthetic scenes and needs no annotation of the echogram. It resamples range
+    bins, averages range lines and levels the surface as in its training; picks are given on the
+    echogram's own axes.
 
     Attributes
     ----------
     card : snowsim.tracker.Card
-        What it was made for.
+        Range bins, line spacing and looks that the tracker was made for, and its calibration.
 
     Examples
     --------
@@ -83,16 +84,16 @@ class Tracker:
 
     @classmethod
     def from_pretrained(cls, name="universal"):
-        """A tracker that comes with the package; see `list_pretrained`."""
+        """Load one of the trackers that `list_pretrained` names."""
         shipped = shipped_trackers()
         check_choice("a tracker that comes with the package", name, shipped)
         return cls.load(shipped[name])
 
     @classmethod
     def load(cls, path):
-        """A tracker of an ONNX file, with its card in JSON beside it.
+        """Load a tracker from an ONNX file and the card beside it, NAME.json.
 
-        ValueError unless both are whole, belong together and are of this version.
+        ValueError unless both files are whole, belong together and are of this version.
         """
         if not Path(path).is_file():
             known = ", ".join(list_pretrained()) or "none"
@@ -104,10 +105,10 @@ class Tracker:
     def annotate(self, echogram):
         """Probability of a layer at every pixel, DataArray on the echogram's own axes.
 
-        NaN above and below what the tracker was shown.
+        It is NaN above and below the rows that the tracker was given.
         """
         seen = canonical(echogram, self.card)
-        _warn(seen.notes)
+        _warn_of(seen.notes)
         probability = probability_of(self._run, seen)
         coordinates = {name: echogram[name] for name in ("twtt", "slow_time")}
         attributes = {"units": "1", "long_name": "probability of a layer"}
@@ -116,26 +117,27 @@ class Tracker:
         )
 
     def pick(self, echogram):
-        """Layers of an echogram, a dataset as of `snowsim.io.read_layers`.
+        """Layers of an echogram, a dataset like that of `snowsim.io.read_layers`.
 
-        `twtt` [s] on (layer, slow_time), layer 0 the surface, NaN where none is picked; `quality`
-        (1 good, 2 moderate, 3 bad) by `confidence`, the probability that a layer lies within 2 of
-        the tracker's range bins; `twtt_low` and `twtt_high`, between which nine of ten lie. What a
-        reader should know is warned of, and stands in `attrs["notes"]`.
+        `twtt` [s] is (layer, slow_time): layer 0 is the surface, NaN means no pick. `confidence` is
+        the probability that a layer lies within 2 of the tracker's range bins of the pick;
+        `quality` (1 good, 2 moderate, 3 bad) follows it. Nine of ten layers lie between `twtt_low`
+        and `twtt_high`. Notes about the echogram are given as warnings and in `attrs["notes"]`.
         """
-        evidence = self.see(echogram)
-        _warn(evidence.notes)
+        evidence = self.detect(echogram)
+        _warn_of(evidence.notes)
         (layers,) = self.pick_together([evidence])
         return layers
 
-    def see(self, echogram, where="echogram"):
-        """Evidence of one frame for `pick_together`; it does not keep the echogram's samples."""
+    def detect(self, echogram, where="echogram"):
+        """Candidates for layers in one frame, for `pick_together`, without the frame's samples."""
         return evidence_of(self._run, canonical(echogram, self.card, where), self.card)
 
     def pick_together(self, evidence):
-        """Layers of frames that follow one another, list of `see`: a name is one layer in all.
+        """Layers of frames that follow one another: the same name is the same layer in all frames.
 
-        A frame has the layers picked in it.
+        `evidence` is a list of what `detect` gives for each frame. Datasets are those of `pick`;
+        each has only the layers that were picked in its frame.
         """
         found = layers_of_frames(evidence, self.card)
         for frame, layers in zip(evidence, found, strict=True):
@@ -145,23 +147,23 @@ class Tracker:
         return found
 
 
-def _warn(notes):
-    """Warn the caller of a public function, a line each, of what a reader should know."""
+def _warn_of(notes):
+    """Give each note as a warning to the caller of a public function."""
     for note in notes:
         warnings.warn(note, UserWarning, stacklevel=3)
 
 
 def _names(numbers):
-    """Names of layers, the surface first, by their numbers."""
+    """Names of layers by their numbers, of which the first is that of the surface."""
     return [SURFACE_NAME, *(f"snow_{number}" for number in numbers[1:])]
 
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """A file and what the tracker saw in it.
+    """A file and the candidates for layers that were detected in it.
 
-    An image has no segment. `number` is None until `_by_segment` where the file has none. `gap`
-    tells why layers of the frame before it do not go on in it, None if they do or there is none.
+    `segment` is None for an image. `number` is None until `_by_segment` if the file has none. `gap`
+    is the note that says why this frame is not linked with the one before, else None.
     """
 
     path: Path
@@ -185,49 +187,50 @@ def track_files(
 ):
     """Track echograms and write their layers to a folder.
 
-    Frames of a segment that follow one another are tracked as one. For each, `NAME_layers.nc`; for
-    each segment the layer files of `snowsim.io.layers`; of an image, rows in `NAME_layers.nc`
-    alone.
+    Frames of a segment that follow one another are tracked as one. Each file gives
+    `NAME_layers.nc`, and each segment the layer files of `snowsim.io.layers`. An image gives
+    `NAME_layers.nc` alone, with rows of the image beside travel times.
 
     Parameters
     ----------
     paths : sequence of path_like
     folder : path_like
-        Made where there is none.
+        It is made if it is missing.
     model : str
-        One of `list_pretrained`, or an ONNX file.
+        Name of `list_pretrained`, or path of an ONNX file.
     png : bool
         Draw picks on each echogram, as `NAME_picks.png`.
     bin_s : float, optional
         Range bin of images [s].
     force : bool
-        Write over files that are there, but for those beside the input that they are named by.
-    say, progress : callable
-        Told a line of every file that fails, and of what was written; and wrapping the files, by
-        default in a bar.
+        Replace files that exist; a file beside its own input is never replaced.
+    say : callable
+        It is called with one line for each note, error and file written.
+    progress : callable, optional
+        It wraps the list of files, as tqdm does; by default in a progress bar.
 
     Returns
     -------
     int
-        Files that failed.
+        Number of files that failed.
 
     Raises
     ------
     ValueError
-        Before anything is tracked, in one line: a folder that cannot be written to, two files of
-        one name, a damaged tracker.
+        In one line, before anything is tracked: the folder cannot be written to, two files have the
+        same name, or the tracker is damaged.
     """
     tracker = Tracker.load(shipped_trackers().get(model, model))
     paths = [Path(path) for path in paths]
-    _check_names(paths)
-    folder = _made(folder)
+    _refuse_equal_names(paths)
+    folder = _writable_folder(folder)
     named = {path: named_frame(path) for path in paths}
     n_failed = 0
     frames = []
     progress = progress or partial(shown, unit="file")
     for path in progress(paths):
         try:
-            _check_outputs(path, named, folder, png, force)
+            _refuse_outputs(path, named, folder, png, force)
             frame = _load_and_detect(tracker, path, named[path], bin_s, frames)
         except (ValueError, OSError) as error:
             n_failed += 1
@@ -245,8 +248,8 @@ def track_files(
     return n_failed
 
 
-def _check_names(paths):
-    """Refuse two files whose outputs would have one name."""
+def _refuse_equal_names(paths):
+    """Refuse two files whose outputs would have the same name."""
     first = {}
     for path in paths:
         if path.stem in first:
@@ -255,10 +258,12 @@ def _check_names(paths):
         first[path.stem] = path
 
 
-def _made(folder):
-    """The folder, made where there is none; ValueError unless it can be written to."""
+def _writable_folder(folder):
+    """Path of the folder, made if it is missing; ValueError unless it can be written to."""
     try:
-        os.makedirs(folder, exist_ok=True)  # not of a Path: one of no name is the folder one is in
+        os.makedirs(
+            folder, exist_ok=True
+        )  # not of a Path: an empty name would become the current folder
         with TemporaryFile(dir=folder):
             return Path(folder)
     except OSError as error:
@@ -266,10 +271,10 @@ def _made(folder):
         raise refusal(folder, "output", wanted, error.strerror) from error
 
 
-def _check_outputs(path, named, folder, png, force):
-    """Refuse files that are there, and frames of a segment beside layer files of others of it.
+def _refuse_outputs(path, named, folder, png, force):
+    """Refuse outputs that exist, and a folder that holds layer files of other frames.
 
-    `named` has segment and number of every file that is tracked, as its name tells them.
+    `named` has the segment and the number in the name of every file that is tracked.
     """
     segment, _ = named[path]
     if segment is not None and path.suffix.lower() not in PICTURE_ENDINGS:
@@ -296,12 +301,12 @@ def _picture_file(folder, path):
 def _load_and_detect(tracker, path, named, bin_s, others):
     """`_Frame` of a file; ValueError where it is the same frame as one of the `others`.
 
-    `named` are segment and number that its name tells, (None, None) if it tells none.
+    `named` are the segment and the number in its name, or (None, None).
     """
     image_format = image_format_of(path)
     if image_format is not None:
         echogram = _image_as_echogram(path, bin_s)
-        evidence = tracker.see(echogram, str(path))
+        evidence = tracker.detect(echogram, str(path))
         notes = list(evidence.notes)
         if image_format == "JPEG":
             notes.append(BLURRED)
@@ -316,7 +321,7 @@ def _load_and_detect(tracker, path, named, bin_s, others):
     for other in others:
         if number is not None and (other.segment, other.number) == (segment, number):
             raise refusal(path, "frame", "one file of each", f"that of {other.path}")
-    evidence = tracker.see(echogram, str(path))
+    evidence = tracker.detect(echogram, str(path))
     return _Frame(path, segment, number, evidence, evidence.notes)
 
 
@@ -335,18 +340,18 @@ def _image_as_echogram(path, bin_s):
 
 
 def _by_segment(frames):
-    """Frames of each segment in order of their numbers, list of lists; every image by itself.
+    """Frames of each segment in order of their numbers, list of lists; each image is alone.
 
-    Frames whose files tell no number get one, after the others, by time.
+    Frames without a number are numbered after the others, in order of time.
     """
     segments = {}
     for frame in frames:
         segments.setdefault(frame.segment or ("image", frame.path), []).append(frame)
-    return [_numbered(of_segment) for of_segment in segments.values()]
+    return [_in_order(of_segment) for of_segment in segments.values()]
 
 
-def _numbered(frames):
-    """Frames of a segment in order of their numbers; those without one come last, by time."""
+def _in_order(frames):
+    """Frames of a segment in order of their numbers; those without one follow, by time."""
     known = [frame for frame in frames if frame.number is not None]
     others = [frame for frame in frames if frame.number is None]
     others.sort(key=lambda frame: frame.evidence.slow_time[0])
@@ -356,7 +361,7 @@ def _numbered(frames):
 
 
 def _track_segment(tracker, frames, folder, png, bin_s, force, say):
-    """Track the frames of a segment, or an image, and write their layers, and pictures of them."""
+    """Track the frames of a segment, or one image, and write their layers and pictures."""
     found = []
     for run in _runs(frames):
         if run[0].gap is not None:
@@ -370,21 +375,21 @@ def _track_segment(tracker, frames, folder, png, bin_s, force, say):
         write_layer_files(folder, frames[0].segment, by_number, force=force)
     written = []
     for frame, layers in zip(frames, found, strict=True):
-        written.append(_with_what_was_picked(frame, layers, bin_s))
+        written.append(_as_written(frame, layers, bin_s))
         path = _layers_file(folder, frame.path)
         write_layers(path, written[-1], force=force)
         n_picks = int(np.isfinite(written[-1]["twtt"].values[1:]).sum())
         say(f"{path}: {written[-1].sizes['layer'] - 1} layers below the surface, {n_picks} picks")
-    # Behind all files: no picture stops them.
+    # Last, so that a picture that cannot be drawn stops no file.
     for frame, layers in zip(frames, written, strict=True) if png else ():
         _draw_picks(frame.path, layers, folder, bin_s)
 
 
 def _runs(frames):
-    """Frames of a segment in runs of those that follow one another, list of lists.
+    """Frames of a segment that follow one another without a gap, list of lists.
 
-    A run begins where a number is missing, or where time or averaging does not go on: then its
-    first frame holds why, as its `gap`.
+    A new run begins where a frame is missing. It also begins where a frame is too early or too late
+    or has another averaging; that frame then has a `gap`.
     """
     runs = []
     for frame in frames:
@@ -402,7 +407,7 @@ def _runs(frames):
 
 
 def _why_apart(last, frame):
-    """Why the next frame does not go on where the last one ends, None if it does."""
+    """Reason not to link a frame with the last one before it, or None."""
     before, after = last.evidence, frame.evidence
     pause_s = (after.slow_time[0] - before.slow_time[-1]) / np.timedelta64(1, "s")
     lines_s = PAUSE_LINES * max(_interval_s(before.slow_time), _interval_s(after.slow_time))
@@ -417,7 +422,7 @@ def _why_apart(last, frame):
 
 
 def _interval_s(slow_time):
-    """Median time from a range line to the next [s], 0 for a single one."""
+    """Median time between range lines [s], 0 for a single range line."""
     steps = np.diff(slow_time) / np.timedelta64(1, "s")
     return float(np.median(steps)) if steps.size else 0.0
 
@@ -431,8 +436,11 @@ def _renumbered(layers_of_run, before):
     ]
 
 
-def _with_what_was_picked(frame, layers, bin_s):
-    """The surface and the layers that have picks in a frame; of an image, rows beside times."""
+def _as_written(frame, layers, bin_s):
+    """Layers dataset of a frame as it is written: without layers that have no pick in it.
+
+    A frame of a segment gets its name as `granule`, an image the rows of its picks.
+    """
     picked = np.isfinite(layers["twtt"].values).any(axis=1)
     picked[0] = True
     layers = layers.isel(layer=picked)
@@ -447,8 +455,8 @@ def _with_what_was_picked(frame, layers, bin_s):
 def _draw_picks(path, layers, folder, bin_s):
     """Draw the picks of a file on its echogram.
 
-    The file is read once more: what a picture shows depends on the picks, and samples of all frames
-    of a segment would not fit into memory while it is tracked.
+    The file is read once more, because the samples of all frames of a segment do not fit into
+    memory, and which samples are drawn depends on the picks.
     """
     picture = _picture_file(folder, path)
     with library_errors(picture, "picture: expected layers that can be drawn"):

@@ -1,6 +1,6 @@
-"""The layer tracker: network and training, and the way from an echogram to its layers.
+"""Layer tracker: its networks, their training, and the picking of layers in echograms.
 
-Names are loaded when asked for, so that tracking needs no torch, and training no onnxruntime.
+Names are loaded on first use, so that tracking needs no torch, and training no onnxruntime.
 """
 
 import lazy_loader
@@ -9,7 +9,7 @@ from snowsim.constants import OUTPUTS
 from snowsim.settings import TrackerSettings as Settings
 from snowsim.settings import published_settings
 
-# Names of the package, by the module they are in.
+# Names of the package by module.
 MODULES = {
     "calibration": (
         "WITHIN_BINS",
@@ -25,7 +25,14 @@ MODULES = {
     "card": ("CONFIDENCE", "Card", "checked_card", "make_card"),
     "inputs": ("canonical",),
     "joining": ("join",),
-    "layers": ("between_lines", "confidence", "features", "half_width_rows", "likely", "on_lines"),
+    "layers": (
+        "between_lines",
+        "confidence",
+        "confident_pieces",
+        "features",
+        "half_width_rows",
+        "on_lines",
+    ),
     "linking": ("Candidates", "Linking", "Piece", "find_candidates", "link"),
     "network": (
         "MultiScaleNetwork",

@@ -10,26 +10,26 @@ from snowsim.limits import check_count
 from snowsim.metrics.edges import match_counts, score, suppress, thresholds_of
 
 WITHIN_BINS = 2.0  # distance to a layer within which a pick is a hit
-LEAST_PROBABILITY = 0.02  # probability, before calibration, from which on a pixel may be a pick
+LEAST_PROBABILITY = 0.02  # least probability of a pick before calibration
 N_CLASSES = 10  # of the reliability curve
-LIMITS = ((-10.0, 10.0), (-2.3, 2.3))  # of the offset, and of the temperature's logarithm
+LIMITS = ((-10.0, 10.0), (-2.3, 2.3))  # of the offset and of the logarithm of the temperature
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """How to read the logits of a network, and its scores on the scenes that showed this.
+    """Map from logits of a network to probability, and scores on the scenes of calibration.
 
     Attributes
     ----------
     offset, temperature : float
-        The probability of a layer is ``sigmoid((logit - offset) / temperature)``. The loss makes
-        layers weigh as much as background, so that logits are too high: the offset takes that back.
+        The probability of a layer is ``sigmoid((logit - offset) / temperature)``. The loss gives
+        layers the same weight as background, so that logits are too high; the offset corrects this.
     threshold : float
-        Probability with the best F on the scenes, see `snowsim.metrics.edges.score`.
+        Probability with the best F on the scenes; see `snowsim.metrics.edges.score`.
     ods, ois, ap : float
         Scores on the scenes.
     deviation : float
-        Largest difference between probability and share of hits, `Reliability.deviation`.
+        Largest difference between probability and share of hits; see `Reliability.deviation`.
     """
 
     offset: float
@@ -47,7 +47,7 @@ class Calibration:
 
 @dataclass(frozen=True, eq=False)
 class Ridges:
-    """Pixels that may be picks: their logits, and whether each is a hit, both (pixel,)."""
+    """Logits of pixels that may be picks, and whether each is a hit, both (pixel,)."""
 
     logits: np.ndarray
     hits: np.ndarray
@@ -66,13 +66,13 @@ class Reliability:
 
     @property
     def deviation(self):
-        """Largest difference between both, over classes that hold a hundredth of the pixels."""
+        """Largest difference between both in classes with at least 1 % of the pixels."""
         filled = 100 * self.n_pixels >= self.n_pixels.sum()
         return float(np.abs(self.probability - self.hit_share)[filled].max())
 
 
 def calibrate(logits, scenes):
-    """Calibrate a network by its `fused_logits` of scenes in which every layer is annotated.
+    """`Calibration` of a network from its `fused_logits` of fully annotated scenes.
 
     ValueError if no pixel may be a pick.
     """
@@ -93,7 +93,7 @@ def calibrate(logits, scenes):
 
 
 def edge_counts(probability, scenes):
-    """Counts of the map of probability of each scene, and the `thresholds_of` all of them."""
+    """Counts of matched edges in each scene's map of probability, and their common thresholds."""
     edges = [suppress(each, added_curvature=0) for each in probability]
     thresholds = thresholds_of(edges)
     counts = [
@@ -104,7 +104,7 @@ def edge_counts(probability, scenes):
 
 
 def ridges_of(logits, scenes):
-    """`Ridges` of fused logits (range_bin, range_line) of scenes with every layer annotated."""
+    """`Ridges` in fused logits (range_bin, range_line) of fully annotated scenes."""
     found = []
     near = []
     for each, scene in zip(logits, scenes, strict=True):
@@ -116,14 +116,14 @@ def ridges_of(logits, scenes):
 
 
 def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):
-    """Whether a layer of a scene lies within some range bins of each pick, (pick,)."""
+    """Picks within `within_bins` range bins of a layer of the scene, bool (pick,)."""
     distance = np.abs(scene.layer_bins[:, line] - bins)
     nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
     return nearest <= within_bins
 
 
 def fit_logistic(ridges):
-    """Offset and temperature T for which ``sigmoid((logit - offset) / T)`` makes hits most likely.
+    """Offset and temperature T of ``sigmoid((logit - offset) / T)`` with the largest likelihood.
 
     Platt (1999), Advances in Large Margin Classifiers, 61-74.
     """
@@ -133,14 +133,14 @@ def fit_logistic(ridges):
         offset, log_temperature = parameters
         return np.logaddexp(0, sign * (ridges.logits - offset) * np.exp(-log_temperature)).mean()
 
-    # If all pixels are hits, or none is, the best offset lies at infinity: limits keep it finite.
+    # Limits, because the best offset is infinite if all pixels are hits or none is.
     found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=LIMITS)
     offset, log_temperature = found.x
     return float(offset), float(np.exp(log_temperature))
 
 
 def reliability(probability, hits):
-    """`Reliability` of the probabilities of some pixels and whether each is a hit, (pixel,)."""
+    """`Reliability` of the probabilities of pixels, given which are hits, both (pixel,)."""
     number = np.minimum((probability * N_CLASSES).astype(int), N_CLASSES - 1)
     n_pixels = np.bincount(number, minlength=N_CLASSES)
     n_or_nan = np.where(n_pixels > 0, n_pixels, np.nan)

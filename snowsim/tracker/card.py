@@ -1,4 +1,4 @@
-"""The card beside a tracker's weights: what they are, and for which echograms they were made."""
+"""Card beside a tracker's weights: its calibration and the echograms that it was made for."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from snowsim.limits import check_values
 
-# What a card must hold, from the least to the largest that can be.
+# Numbers that a card must hold, with their limits.
 NUMBERS = {
     "bin_s": (1e-12, 1e-6),
     "line_spacing_m": (1e-2, 1e4),
@@ -16,13 +16,13 @@ NUMBERS = {
 }
 SHAPES = dict.fromkeys(NUMBERS, ()) | {"confidence": (3,)}
 RANGED = ("bin_s", "line_spacing_m", "n_looks")
-# Coefficients of `snowsim.tracker.confidence` where a card has none: fitted on the synthetic
+# Coefficients of `snowsim.tracker.confidence` for a card without its own, fitted on the synthetic
 # flights of seeds 1000 to 1004.
 CONFIDENCE = (-0.62, 0.1, 1.08)
-# Mean power over 5 rows and 33 range lines. In simulations with the surface 15 dB above noise or
-# more no right pick lies deeper.
+# Mean power above the noise floor, over 5 rows and 33 range lines, below which no pick was right in
+# simulations whose surface is at least 15 dB above noise.
 ECHO_DB = 1.0
-# What a card that is written tells people.
+# Texts for people in a card that is written.
 VERSION = "3"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
@@ -39,7 +39,7 @@ OUTPUT = "logit: the same shape; probability of a layer is sigmoid(logit / tempe
 
 @dataclass(frozen=True)
 class Card:
-    """Card of a tracker, as far as picking uses it.
+    """The part of a tracker's card that picking uses.
 
     Attributes
     ----------
@@ -47,16 +47,16 @@ class Card:
     bin_s, line_spacing_m : float
         Range bin [s] and distance of range lines [m] of its training.
     temperature : float
-        By which its log-odds are divided.
+        Divisor of its log-odds.
     threshold : float
-        Probability, after that, from which a pixel counts as a layer.
+        Calibrated probability above which a pixel counts as a layer.
     ranges : dict
-        Least and largest `bin_s`, `line_spacing_m` and `n_looks` of echograms it was made for; what
-        else it holds is for people.
+        Least and largest `bin_s`, `line_spacing_m` and `n_looks` of the echograms that it was made
+        for.
     confidence : tuple of float
-        See `snowsim.tracker.confidence`.
+        Coefficients of `snowsim.tracker.confidence`.
     echo_db : float
-        Below the deepest row whose power stands so far above the noise floor there are no picks.
+        Picks end at the deepest row whose mean power is this far above the noise floor.
     """
 
     name: str
@@ -71,11 +71,11 @@ class Card:
 
     @property
     def threshold_log_odds(self):
-        """Threshold as log-odds."""
+        """`threshold` as log-odds."""
         return float(np.log(self.threshold / (1 - self.threshold)))
 
     def outside(self, values):
-        """Lines that tell which values, by name, lie outside the card's ranges, if it has any."""
+        """One line for each value, given by name, outside the card's ranges, or without ranges."""
         if not self.ranges:
             return ["the tracker's card has no ranges"]
         return [
@@ -86,7 +86,7 @@ class Card:
 
 
 def checked_card(content, where):
-    """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
+    """`Card` from the content of a JSON file; ValueError for missing or impossible numbers."""
     content = {"confidence": CONFIDENCE, "echo_db": ECHO_DB} | content
     held = content.get("ranges") or {}
     if not isinstance(held, dict):
@@ -125,12 +125,12 @@ def make_card(
     scores=None,
     confidence=None,
 ):
-    """Card of a tracker with its `Calibration`, a dict that JSON can hold.
+    """Content of a tracker's card, a dict that JSON can hold, from its `Calibration`.
 
-    `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of most scenes it was trained on;
-    `ranges` gives the (least, most) of all scenes by name and unit. `scores` are those on unseen
-    flights. `confidence` has the coefficients of `snowsim.tracker.confidence`; with None the
-    package's own apply. Others are None where they are not known.
+    `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of most scenes of its training;
+    `ranges` has the least and the largest of all scenes by name. `scores` are those on unseen
+    flights. `confidence` has the coefficients of `snowsim.tracker.confidence`, None for those of
+    the package. Other values are None if they are not known.
     """
     card = {
         "name": name,

@@ -1,7 +1,7 @@
-"""An echogram as the tracker was trained to see it, and the way back.
+"""Canonical images: echograms in the form that the tracker was trained on.
 
-Range bins of the tracker's size, lines averaged to its spacing, the surface in row 50, decibels as
-8 bits by the rule of the benchmark's scenes.
+Range bins have the tracker's size, range lines are averaged to its spacing, the surface lies in row
+50, and decibels become 8 bits by the rule of the benchmark's scenes.
 """
 
 from dataclasses import dataclass, fields
@@ -14,36 +14,36 @@ from snowsim.alignment import along_track_m, bin_size_s, levelled, resample_rang
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, SURFACE_ROW, check_echogram, to_db, to_grey
 from snowsim.limits import check_count, check_values
-from snowsim.tracker.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
+from snowsim.tracker.surface import SMOOTH_LINES, find_surface, select_surface, without_outliers
 
-# A line whose maximum exceeds that of the middle line by so much is saturated: it has no say in the
-# scale.
+# A line whose maximum exceeds the median of maxima by more is saturated; the scale ignores it.
 SATURATED_DB = 10.0
-# Positions repeat or jump where the spacing is no distance.
+# Outside these limits, positions repeat or jump, and the spacing is unknown.
 SPACINGS_M = (0.01, 1e4)
-MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
-LEAST_LINES = 32  # that tell how lines are averaged
-# Rows above the surface that are air alone, how many of them tell looks, and what one look is.
-AIR_ABOVE = 10
-LEAST_AIR = 12
-SINGLE_LOOK = 1.5
+MOST_RESAMPLED = 32  # largest ratio of range bins, of an echogram and of the tracker
+LEAST_LINES = 32  # range lines that must be left after averaging
+AIR_ABOVE = 10  # range bins above the surface from which on there is only air
+LEAST_AIR = 12  # range bins of air that are needed to estimate looks
+SINGLE_LOOK = 1.5  # an estimate below this means one look
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Where pixels of a canonical image lie in the echogram.
+    """Positions of the pixels of a canonical image in its echogram.
+
+    The echogram's *own* range lines are those before averaging.
 
     Attributes
     ----------
     first_s, bin_s : float
-        Two-way travel time of row 0 of a line that is not shifted, and of a row [s].
+        Two-way travel time of row 0 of an unshifted line, and height of a row [s].
     top : ndarray of int, (range_line,)
-        Rows by which each of the echogram's own lines is shifted.
+        Rows by which each own line is shifted up.
     surface_row : ndarray, (range_line,)
-        Row of the surface on these lines.
+        Row of the surface on each own line.
     n_rows : int
     n_averaged : int
-        Own lines in one of the image.
+        Number of own lines averaged in one line of the image.
     """
 
     first_s: float
@@ -63,33 +63,33 @@ class Grid:
         return self.first_s + (row + self.top) * self.bin_s
 
     def row(self, twtt):
-        """Rows (range_bin, range_line) of travel times (range_bin,) [s] on own lines."""
+        """Rows (range_bin, range_line) of travel times (range_bin,) [s] on the own lines."""
         return (twtt[:, None] - self.first_s) / self.bin_s - self.top
 
     @property
     def bottom(self):
-        """Row after the last one recorded, on range lines of the image."""
+        """Row after the last recorded one, on range lines of the image."""
         n_bins = self.n_rows + self.top.min()
         return self.averaged(n_bins - self.top)
 
     @property
     def line(self):
-        """Place of the own lines among those of the image, (range_line,)."""
+        """Fractional line of the image at each own line, (range_line,)."""
         within = (np.arange(self.top.size) + 0.5) / self.n_averaged - 0.5
         return np.clip(within, 0, self.n_lines - 1)
 
     def averaged(self, values):
-        """Mean over the own lines (range_line,) in each line of the image."""
+        """Mean of values (range_line,) over the own lines of each line of the image."""
         return _mean_of_lines(values[None], self.n_averaged)[0]
 
 
 @dataclass(frozen=True, eq=False)
 class Canonical:
-    """An echogram with its `Grid` and scale; images are made when asked for, by range lines.
+    """An echogram with its `Grid` and grey scale; `image` makes parts of the canonical image.
 
-    `noise_floor_db` and `maximum_db` are those of `snowsim.echogram.to_uint8`, `surface_db` is the
-    largest power of every own line, `notes` what a reader of the result should know, `outside`
-    whether the echogram is none that the tracker was made for.
+    `noise_floor_db` and `maximum_db` are those of `snowsim.echogram.to_uint8`. `surface_db` is the
+    largest power of every own line. `notes` say what limits the layers of this echogram. `outside`
+    is whether the echogram lies outside the ranges of the tracker's card.
     """
 
     echogram: xr.Dataset
@@ -102,18 +102,18 @@ class Canonical:
 
     @property
     def recorded(self):
-        """Whether anything was, bool by range line of the image."""
+        """Lines of the image on which something was recorded, bool (range_line,)."""
         return self.grid.averaged(np.isfinite(self.surface_db)) > 0
 
     def grey(self, above_db):
-        """Grey of power so far above the noise floor."""
+        """Grey level of power `above_db` above the noise floor."""
         span_db = self.maximum_db - self.noise_floor_db + DB_BELOW_NOISE_FLOOR
         return (DB_BELOW_NOISE_FLOOR + above_db) * 255 / span_db
 
     def image(self, first, stop):
         """8-bit image (row, range_line) of range lines `first` to before `stop`.
 
-        What was not recorded has the grey of the noise floor.
+        Pixels that were not recorded have the grey of the noise floor.
         """
         grid = self.grid
         own = slice(first * grid.n_averaged, stop * grid.n_averaged)
@@ -124,27 +124,27 @@ class Canonical:
 
 
 def canonical(echogram, card, where="echogram"):
-    """`Canonical` of an echogram dataset for the tracker of a `Card`.
+    """`Canonical` form of an echogram dataset for the tracker of a `Card`.
 
-    The file's surface counts where it lies near the rise of power, else that rise. Scale: medians,
-    over blocks of 256 range lines, of what the benchmark's rule makes of each. ValueError if
-    nothing was recorded, or the echogram has no contrast.
+    The surface is that of the file where power rises near it, else the rise of power. The noise
+    floor and the maximum are medians over blocks of 256 range lines. ValueError if nothing was
+    recorded, or the echogram has no contrast.
     """
     _check(echogram, card, where)
     echogram = echogram.transpose("twtt", "slow_time", ...)
     first_s = float(echogram["twtt"].values[0])
-    # Zero, where nobody tracked it, is NaN.
+    # Files have zero where the surface was not tracked.
     given_s = echogram["Surface"].where(echogram["Surface"] > 0).values.astype(float)
     given = (given_s - first_s) / card.bin_s
-    survey, n_averaged, notes, outside = _surveyed(echogram, given, card)
+    survey, n_averaged, notes, outside = _survey_and_averaging(echogram, given, card)
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
     n_known = np.isfinite(survey.surface).sum()
     check_count(f"{where}: range lines with 30 range bins or more of measured power", n_known)
-    surface, reason = chosen_surface(given, survey.surface, survey.rise_share, n_bins)
+    surface, reason = select_surface(given, survey.surface, survey.rise_share, n_bins)
     noise_floor_db = float(np.nanmedian(survey.noise_floor_db))
     maximum_db = float(np.nanmedian(survey.maximum_db))
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
-    top = _tops(surface)
+    top = _shifts(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     notes = tuple(note for note in (*notes, reason) if note is not None)
     surface_db = survey.largest_db
@@ -152,7 +152,7 @@ def canonical(echogram, card, where="echogram"):
 
 
 def _check(echogram, card, where):
-    """Refuse what is no echogram, has no samples, or bins of another order of magnitude."""
+    """Refuse a dataset that is no echogram, is empty, or has far larger or smaller range bins."""
     if not isinstance(echogram, xr.Dataset) or 0 in echogram.sizes.values():
         wanted = "expected an echogram dataset, as snowsim.io.read_echogram reads it from a file"
         got = dict(getattr(echogram, "sizes", {})) or type(echogram).__name__
@@ -166,7 +166,7 @@ def _check(echogram, card, where):
 
 @dataclass(frozen=True, eq=False)
 class _Survey:
-    """What range lines tell of surface [range bins], (range_line,), and of scale, (block,)."""
+    """Surface [range bins] and largest power by own line; scale and looks by block of lines."""
 
     surface: np.ndarray
     rise_share: np.ndarray
@@ -176,8 +176,8 @@ class _Survey:
     n_looks: np.ndarray | tuple = (np.nan,)
 
 
-def _surveyed(echogram, given, card):
-    """`_Survey`, how many own lines are averaged, notes, and whether the card knows such."""
+def _survey_and_averaging(echogram, given, card):
+    """`_Survey`, number of own lines to average, notes, and whether the card excludes these."""
     spacing_m = _line_spacing_m(echogram)
     n_averaged = max(1, round(card.line_spacing_m / spacing_m)) if spacing_m else 1
     survey = _survey(echogram, given, card.bin_s, n_averaged)
@@ -196,23 +196,23 @@ def _surveyed(echogram, given, card):
 
 
 def _survey(echogram, given, bin_s, n_averaged):
-    """`_Survey` of an echogram, block by block."""
+    """`_Survey` of an echogram, made block by block to save memory."""
     n_lines = BLOCK_LINES * n_averaged
     stretches = [slice(first, first + n_lines) for first in range(0, given.size, n_lines)]
-    blocks = [_of_block(echogram, lines, given, bin_s, n_averaged) for lines in stretches]
+    blocks = [_survey_of_block(echogram, lines, given, bin_s, n_averaged) for lines in stretches]
     names = [each.name for each in fields(_Survey)]
     return _Survey(*(np.concatenate([getattr(block, name) for block in blocks]) for name in names))
 
 
-def _of_block(echogram, lines, given, bin_s, n_averaged):
-    """`_Survey` of some range lines."""
+def _survey_of_block(echogram, lines, given, bin_s, n_averaged):
+    """`_Survey` of one block, which has its own scale."""
     power = _resampled(echogram, lines, bin_s)
     power_db = _in_db(power)
     surface, share = find_surface(power_db, given[lines])
     largest_db = np.nanmax(power_db, axis=0, initial=-np.inf)
     if not np.isfinite(surface).any():
         return _Survey(surface, share, largest_db)
-    top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
+    top = _shifts(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
     level_db = level_db[:, np.isfinite(level_db).any(axis=0)]
     filled = np.isfinite(level_db).mean(axis=1) > 0.5
@@ -226,15 +226,15 @@ def _of_block(echogram, lines, given, bin_s, n_averaged):
     return _Survey(surface, share, largest_db, [noise_floor_db], [maximum_db], [n_looks])
 
 
-def _tops(surface):
-    """Whole rows by which lines are shifted: a smooth surface comes to row 50."""
+def _shifts(surface):
+    """Rows by which lines are shifted up, int, so that their smoothed surface lies in row 50."""
     padded = np.pad(without_outliers(surface), SMOOTH_LINES // 2, mode="edge")
     smooth = np.convolve(padded, np.full(SMOOTH_LINES, 1 / SMOOTH_LINES), "valid")
     return np.floor(smooth + 0.5).astype(int) - SURFACE_ROW
 
 
 def _resampled(echogram, lines, bin_s):
-    """Power (range_bin, range_line) of some own lines, in bins of the tracker's size."""
+    """Power (range_bin, range_line) of some own lines in range bins of the tracker's size."""
     part = echogram[["Data"]].isel(slow_time=lines)
     return resample_range(part, bin_s)["Data"].values
 
@@ -253,7 +253,7 @@ def _level_db(power, top, n_rows, n_averaged):
 
 
 def _mean_of_lines(values, n_averaged):
-    """Mean over as many lines of what is known; the last may have fewer."""
+    """Mean of known values over every `n_averaged` lines; the last mean may have fewer."""
     firsts = np.arange(0, values.shape[1], n_averaged)
     present = np.isfinite(values)
     sums = np.add.reduceat(np.where(present, values, 0), firsts, axis=1)
@@ -262,15 +262,15 @@ def _mean_of_lines(values, n_averaged):
 
 
 def _line_spacing_m(echogram):
-    """Median distance of range lines [m], 0 where positions are missing or tell none."""
+    """Median distance between range lines [m], 0 if it is unknown."""
     spacing_m = pd.Series(np.diff(along_track_m(echogram))).median()
     return float(spacing_m) if SPACINGS_M[0] < spacing_m < SPACINGS_M[1] else 0.0
 
 
 def _lines_for_looks(n_looks, n_averaged, spacing_m, n_lines, card):
-    """Own lines to average so that a line has the looks that the card asks for, if that may be.
+    """Own lines to average for the number of looks that the card asks for.
 
-    Lines must not become too few, nor farther apart than the card allows.
+    It is `n_averaged` where more would leave too few lines, or lines too far apart for the card.
     """
     least, _ = card.ranges.get("n_looks", (0, 0))
     if not n_looks * n_averaged < least:
@@ -282,10 +282,10 @@ def _lines_for_looks(n_looks, n_averaged, spacing_m, n_lines, card):
 
 
 def _looks_in_air(power, surface):
-    """Equivalent number of looks of the noise above the surface, NaN where that is not known.
+    """Equivalent number of looks of the noise above the surface, NaN if there is too little of it.
 
-    The difference of the logarithms of two lines' noise has the variance 2 trigamma(M), about
-    ``2 / M + 1 / M^2``; what a line is brighter all along does not count.
+    For M looks, the difference of the logarithms of the noise of two lines has the variance
+    2 trigamma(M), about ``2 / M + 1 / M^2``. A difference of level between lines cancels.
     """
     air = (np.arange(len(power))[:, None] < surface - AIR_ABOVE) & (power > 0)
     logs = np.ma.log(np.ma.array(power, mask=~air))

@@ -1,42 +1,42 @@
-"""Pieces put in order, downwards, and those that are one layer joined."""
+"""Joins pieces of one layer over gaps, and orders layers downwards."""
 
 import numpy as np
 
 from snowsim.tracker.linking import Piece
 
-# Two pieces are one layer where the layers beside them foretell the row at which the second begins
-# to within so many rows, and more after a gap of so many range lines.
-NEAREST_ROWS = 2.0
-ROWS_PER_LINE = 0.01
-MOST_ROWS = 4.0
-# Range lines between two pieces, at most, round by round: joined layers foretell others.
+# Two pieces are one layer if the layers beside them predict the row at which the second begins.
+# The largest error of this prediction grows with the gap between the pieces.
+NEAREST_ROWS = 2.0  # largest error without a gap
+ROWS_PER_LINE = 0.01  # its growth with the gap
+MOST_ROWS = 4.0  # largest error over any gap
+# Longest gap [range lines] in each round; layers joined in one round predict others in the next.
 LONGEST_GAPS = (200, 800, 3200)
-# Range lines at the end of a piece over which its row is averaged.
-END_LINES = 10
+END_LINES = 10  # range lines at the end of a piece over which its row is averaged
 
 
 def join(pieces):
-    """Layers downwards, list of `Piece`: of two on one range line the upper comes first.
+    """Layers from the surface down, list of `Piece`, with pieces of one layer joined.
 
-    Where a piece ends, the layers above and below it that go on tell where it should be when
-    another begins: neighbours keep their distance. Both ends must choose each other, and no chain
-    of layers may lie between them. The shortest gaps are closed first; a gap stays a gap.
+    Where a piece ends, the layers above and below it that continue predict its row where another
+    piece begins, because neighbouring layers keep their distance. Two pieces are joined if each is
+    the best match of the other, and no layer lies between them. The shortest gaps are closed first;
+    gaps are not filled.
     """
     layer = np.arange(len(pieces))
     below = _next_below(pieces)
     for longest in LONGEST_GAPS:
-        for _, left, right in sorted(_links(pieces, layer, longest)):
+        for _, left, right in sorted(_mutual_matches(pieces, layer, longest)):
             upper, lower = layer[left], layer[right]
-            if _leads(upper, lower, below, layer) or _leads(lower, upper, below, layer):
+            if _lies_below(upper, lower, below, layer) or _lies_below(lower, upper, below, layer):
                 continue
             layer[layer == lower] = upper
             below[upper] |= below[lower]
-    whole = {number: _whole(pieces, layer == number) for number in np.unique(layer)}
+    whole = {number: _joined_piece(pieces, layer == number) for number in np.unique(layer)}
     return [whole[number] for number in _order(whole, layer, below)]
 
 
-def downwards(pieces):
-    """The pieces, list of `Piece`: of two on one range line the upper comes first."""
+def sort_downwards(pieces):
+    """Pieces, list of `Piece`, in an order in which the upper of two on one line comes first."""
     order = _order(dict(enumerate(pieces)), range(len(pieces)), _next_below(pieces))
     return [pieces[number] for number in order]
 
@@ -48,7 +48,7 @@ def _ends(pieces):
 
 
 def _rows_at(line, pieces, ends):
-    """Rows of the pieces on a range line, by their number, downwards."""
+    """Rows of the pieces on a range line by number of the piece, a dict in downward order."""
     start, stop = ends
     there = np.flatnonzero((start <= line) & (line <= stop))
     rows = {n: pieces[n].at(line) for n in there}
@@ -56,7 +56,7 @@ def _rows_at(line, pieces, ends):
 
 
 def _next_below(pieces):
-    """Pieces next below each, on any range line, list of sets."""
+    """Pieces that are next below each piece on some range line, list of sets."""
     below = [set() for _ in pieces]
     ends = _ends(pieces)
     # Neighbours change only where a piece begins or ends.
@@ -67,10 +67,14 @@ def _next_below(pieces):
     return below
 
 
-def _links(pieces, layer, longest):
-    """Links (gap, left, right) of pieces, ends of their layers, that choose each other."""
+def _mutual_matches(pieces, layer, longest):
+    """Tuples (gap, left, right) of two pieces that are each the best match of the other.
+
+    `left` is the last piece of its layer and `right` the first of its own.
+    """
     start, stop = ends = _ends(pieces)
-    # From left to right, so that the last of a layer stays, and the first of it reversed.
+    # Later entries of a dict replace earlier ones: in order of lines the last piece of a layer
+    # stays, in reverse order the first.
     last = {layer[n]: n for n in np.argsort(start)}.values()
     first = np.array(list({layer[n]: n for n in np.argsort(-start)}.values()), dtype=int)
     at_begin = {n: _by_layer(_rows_at(start[n], pieces, ends), layer) for n in first}
@@ -80,7 +84,7 @@ def _links(pieces, layer, longest):
         gap = start[first] - stop[left]
         for right in first[(gap > 0) & (gap <= longest)]:
             gap = int(start[right] - stop[left])
-            miss = _miss(pieces[left], pieces[right], at_end, at_begin[right])
+            miss = _row_error(pieces[left], pieces[right], at_end, at_begin[right])
             if miss <= min(NEAREST_ROWS + ROWS_PER_LINE * gap, MOST_ROWS):
                 costs.append((gap + 10 * miss, gap, left, right))
     costs.sort()
@@ -97,10 +101,11 @@ def _by_layer(rows, layer):
     return {layer[n]: row for n, row in rows.items()}
 
 
-def _miss(left, right, at_end, at_begin):
-    """Rows by which a piece begins off where another, that ends before it, should be by then.
+def _row_error(left, right, at_end, at_begin):
+    """Distance [rows] of the begin of a piece from the row predicted for an earlier piece.
 
-    Rows of layers where the one ends and the other begins tell, those next above and below.
+    The layers next above and below the earlier piece predict it, by their rows where that piece
+    ends, `at_end`, and where the other begins, `at_begin`.
     """
     row = left.row[-END_LINES:].mean()
     through = [n for n in at_end if n in at_begin]
@@ -112,8 +117,8 @@ def _miss(left, right, at_end, at_begin):
     return abs(right.row[:END_LINES].mean() - row)
 
 
-def _leads(start, goal, below, layer):
-    """Whether the goal lies below a layer, by way of others."""
+def _lies_below(start, goal, below, layer):
+    """Whether the layer `goal` lies below the layer `start`, directly or by way of others."""
     seen = {start}
     ways = [start]
     while ways:
@@ -125,8 +130,8 @@ def _leads(start, goal, below, layer):
     return False
 
 
-def _whole(pieces, chosen):
-    """Some pieces as one, from left to right."""
+def _joined_piece(pieces, chosen):
+    """Pieces of one layer as a single `Piece`, in order of range lines."""
     members = [pieces[n] for n in np.flatnonzero(chosen)]
     members.sort(key=lambda piece: piece.line[0])
     arrays = ("line", "row", "excess")
@@ -134,10 +139,10 @@ def _whole(pieces, chosen):
 
 
 def _order(whole, layer, below):
-    """Numbers of layers downwards; where that leaves the order open, by their mean row.
+    """Numbers of layers in downward order; layers that share no line are ordered by mean row.
 
-    Two that cross, on lines where one has no pick, lie below each other: of these and those beneath
-    them the next is the one of the least mean row.
+    Two layers that cross on lines where one has no pick each lie below the other. Of such layers
+    and those beneath them, the one with the least mean row comes next.
     """
     beneath = {number: {layer[n] for n in below[number]} for number in whole}
     n_above = dict.fromkeys(whole, 0)

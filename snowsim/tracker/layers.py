@@ -1,8 +1,8 @@
-"""Layers of a frame, as Open Polar Radar has them, from pieces, and how sure they are.
+"""Layers datasets of frames, in Open Polar Radar's form, and the confidence of their picks.
 
-The probability that a layer lies within 2 rows of a pick is a logistic function of the mean
-log-odds of its chain near it and farther around. The coefficients are those of flights that no
-score is reported of, and a card may bring its own.
+Confidence is the probability that a layer lies within 2 rows of a pick: a logistic function of the
+mean log-odds of the chain near the pick and in a wider neighbourhood. Its coefficients were fitted
+on flights whose scores are not reported; a card may have its own.
 """
 
 import numpy as np
@@ -15,20 +15,20 @@ from snowsim.tracker.linking import LINKING
 
 GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
-# Confidence from which a pick is good, and moderate.
+# Least confidence of a good pick, and of a moderate one.
 QUALITY = (0.8, 0.5)
-# Mean confidence of a piece, below which leaving it out raises F on tuning flights.
+# Pieces with a lower mean confidence are left out, which raises F on tuning flights.
 LEAST_CONFIDENCE = 0.4
-# A line whose largest power lies so far below that of the frame's middle line was flown in a roll,
-# or recorded nothing.
+# A line is faded, by a roll for instance, if its largest power is this far below the median of the
+# frame.
 FADE_DB = 6.0
-LEAST_ROWS = 0.5  # below the surface
+LEAST_ROWS = 0.5  # from the surface to a layer
 ALONG = ("layer", "slow_time")
 ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
-NEAR_LINES = 8
+NEAR_LINES = 8  # range lines to either side of a pick
 FAR_LINES = 48
-LARGEST = 3.0  # log-odds that count on a line
-# Confidence, and the rows that hold nine tenths of the errors of such picks where there is a layer.
+LARGEST = 3.0  # log-odds of a pick are clipped to this
+# Nine of ten picks of this confidence that have a layer lie within this many rows of it.
 SURE = (0.45, 0.55, 0.65, 0.75, 0.85, 0.95)
 HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 
@@ -36,8 +36,8 @@ HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 def features(piece, n_lines):
     """Mean log-odds of a piece within `NEAR_LINES` and `FAR_LINES` of every pick, (2, pick).
 
-    Of all `n_lines` range lines, those without a candidate and those beyond the ends of the piece
-    count as none for and none against.
+    Lines without a candidate, and lines beyond the ends of the piece but within all `n_lines` range
+    lines, count as zero.
     """
     first = piece.line[0]
     size = piece.line[-1] - first + 1
@@ -60,22 +60,22 @@ def confidence(piece, n_lines, coefficients):
     return expit(offset + near * of_near + far * of_far)
 
 
-def likely(pieces, n_lines, coefficients):
-    """Pieces of `LEAST_CONFIDENCE` or more in the mean, each with how sure its picks are, pairs."""
+def confident_pieces(pieces, n_lines, coefficients):
+    """Pairs (piece, confidence of its picks) whose mean is at least `LEAST_CONFIDENCE`."""
     pairs = [(piece, confidence(piece, n_lines, coefficients)) for piece in pieces]
     return [(piece, sure) for piece, sure in pairs if sure.mean() >= LEAST_CONFIDENCE]
 
 
 def half_width_rows(sure):
-    """Rows to either side of a pick that hold nine of ten layers, where there is one."""
+    """Rows to either side of a pick within which nine of ten layers lie, if there is a layer."""
     return np.interp(sure, SURE, HALF_WIDTH_ROWS)
 
 
 def layers_of_frame(canonical, pieces, first_line):
     """Layers dataset of the frame whose image begins at range line `first_line` of the pieces.
 
-    `pieces` are the surface and all others, downwards, each with how sure its picks are. Those with
-    a pick in this frame have a row, called by their number.
+    `pieces` are pairs (piece, confidence of its picks), the surface first, then downwards. The
+    dataset has those with a pick in this frame; `layer` is their number among all pieces.
     """
     grid = canonical.grid
     lines = first_line + np.arange(grid.n_lines)
@@ -90,7 +90,7 @@ def layers_of_frame(canonical, pieces, first_line):
         rows.append(between_lines(on_lines(piece, piece.row, lines), grid.line))
         sure_of_rows.append(between_lines(on_lines(piece, sure, lines), grid.line))
     rows = np.array(rows)
-    # A chain straight across a gap may touch a surface that jumps, or another chain.
+    # A chain is interpolated over gaps, where it may touch a surface that jumps or another chain.
     rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
     rows[crossing_layers(rows)] = np.nan
     layers = _dataset(canonical, numbers, rows, np.array(sure_of_rows))
@@ -99,9 +99,9 @@ def layers_of_frame(canonical, pieces, first_line):
 
 
 def _dataset(canonical, numbers, rows, sure):
-    """Picks at canonical rows, and how sure they are, (layer, range_line), as layers by number.
+    """Layers dataset of picks at canonical rows with confidence `sure`, both (layer, range_line).
 
-    Positions, times and attributes are those of their echogram.
+    Positions, times and attributes are those of the echogram.
     """
     half = half_width_rows(sure) * canonical.grid.bin_s
     twtt = canonical.grid.twtt(rows)
@@ -126,7 +126,7 @@ def _dataset(canonical, numbers, rows, sure):
 
 
 def doubtful_lines(canonical):
-    """Own range lines that are flagged, or on which all power fades, bool (range_line,)."""
+    """Own range lines that are flagged or faded, bool (range_line,)."""
     surface_db = canonical.surface_db
     doubtful = surface_db < np.median(surface_db) - FADE_DB
     held = flagged_lines(canonical.echogram) or {}
@@ -138,9 +138,9 @@ def doubtful_lines(canonical):
 
 
 def on_lines(piece, values, lines):
-    """Values of the picks of a piece on range lines of the image, NaN where it has none.
+    """Values of the picks of a piece on range lines of the image, NaN where it has no pick.
 
-    Lines that its chain skips, `LINKING.longest_lines` at most, are filled straight.
+    Gaps of up to `LINKING.longest_lines` are filled linearly.
     """
     after = np.minimum(np.searchsorted(piece.line, lines).clip(1), piece.line.size - 1)
     gap = piece.line[after] - piece.line[after - 1]
@@ -150,7 +150,7 @@ def on_lines(piece, values, lines):
 
 
 def between_lines(values, place):
-    """Values at places between range lines, NaN where one of the two has none."""
+    """Values interpolated at fractional range lines, NaN where a neighbour is NaN."""
     left = np.floor(place).astype(int)
     right = np.minimum(left + 1, values.size - 1)
     share = place - left

@@ -1,4 +1,4 @@
-"""Peaks of every range line, linked into pieces of layers: the chains of most evidence."""
+"""Links the peaks of range lines into pieces of layers: the chains with the most evidence."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,31 +7,31 @@ import numpy as np
 from numba import njit
 
 NONE = -1
-NARROW = 256  # range lines of the scenes it was chosen on
+NARROW = 256  # range lines of the scenes on which `Linking` was chosen
 
 
 class Linking(NamedTuple):
-    """How candidates make chains; chosen on flights that no score is reported of.
+    """Rules by which candidates form chains, chosen on flights whose scores are not reported.
 
     Attributes
     ----------
     even_log_odds : float
-        Log-odds, less those of the tracker's threshold, at which a candidate speaks neither for nor
+        Log-odds above the tracker's threshold at which a candidate is evidence neither for nor
         against a layer.
     most_log_odds : float
-        So much a candidate speaks at most for a layer, or against it.
+        Largest evidence of one candidate, for or against a layer.
     longest_lines : int
-        Range lines from one candidate of a chain to the next, at most.
+        Largest step [range lines] from one candidate of a chain to the next.
     skipped_log_odds : float
-        What a line without a candidate costs.
+        Cost of a range line without a candidate.
     bend_log_odds : float
-        What a step of one row in one line costs; it grows with the square.
+        Cost of a step of one row from one line to the next; it grows with the square.
     steepest_rows : float
-        Rows that a chain moves in one line, at most.
+        Largest step [rows] of a chain from one line to the next.
     apart_rows : float
-        Rows that chains keep from each other.
+        Least distance [rows] between chains.
     evidence_log_odds : float
-        What a chain must gather; on fewer than `NARROW` range lines, in proportion to them.
+        Least evidence of a chain; less in proportion on fewer than `NARROW` range lines.
     """
 
     even_log_odds: float = 0.0
@@ -49,7 +49,7 @@ LINKING = Linking()
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Peaks by range line, downwards: those of line i are ``first[i]:first[i + 1]``.
+    """Peaks by range line, downwards; those of line i are ``first[i]:first[i + 1]``.
 
     Attributes
     ----------
@@ -74,13 +74,13 @@ class Candidates:
         return np.repeat(np.arange(self.n_lines), np.diff(self.first))
 
     def where(self, kept):
-        """Those of the candidates that are kept, bool (candidate,)."""
+        """Candidates for which `kept`, bool (candidate,), is true."""
         n_kept = np.concatenate([[0], np.cumsum(kept)])
         return Candidates(n_kept[self.first], self.row[kept], self.log_odds[kept])
 
     @staticmethod
     def concatenated(parts):
-        """Candidates of stretches of range lines, one after another."""
+        """Candidates of consecutive stretches of range lines as one."""
         n_before = np.cumsum([0, *(part.row.size for part in parts)])
         firsts = [part.first[:-1] + n for part, n in zip(parts, n_before[:-1], strict=True)]
         first = np.concatenate([*firsts, n_before[-1:]])
@@ -90,24 +90,25 @@ class Candidates:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One chain: its range lines, increasing, the rows there, and log-odds above even ones."""
+    """A chain: increasing range lines, its row on each, and log-odds above even odds."""
 
     line: np.ndarray
     row: np.ndarray
     excess: np.ndarray
 
     def at(self, line):
-        """Rows at range lines, straight between those of the chain."""
-        # Only what lies around them: a chain may run through a whole segment.
+        """Rows at range lines, interpolated linearly between those of the chain."""
+        # Only the part around these lines is searched: a chain may be as long as a segment.
         first = max(0, np.searchsorted(self.line, np.min(line), "right") - 1)
         around = slice(first, np.searchsorted(self.line, np.max(line)) + 1)
         return np.interp(line, self.line[around], self.row[around])
 
 
 def find_candidates(log_odds, linking, threshold):
-    """Peaks of a map (row, range_line) that chains may take, each at the vertex of a parabola.
+    """Peaks of a map (row, range_line) that chains may use, `Candidates`.
 
-    A peak of several equal rows lies in their middle. `threshold` is that of `link`.
+    Each lies at the vertex of the parabola through three rows; a peak of several equal rows lies in
+    their middle. `threshold` is that of `link`.
     """
     floor = threshold + linking.even_log_odds - linking.skipped_log_odds
     log_odds = np.ascontiguousarray(log_odds.T, dtype=np.float32)
@@ -146,11 +147,12 @@ def _peaks(log_odds, floor):
 def link(candidates, linking, threshold):
     """Pieces of layers, list of `Piece`, strongest first; none cross and none share a candidate.
 
-    A chain may begin and end anywhere. It gathers what its candidates have above `even_log_odds`,
-    less what steps and skipped lines cost; the chain that gathers most is found by dynamic
-    programming over range lines (a local alignment: Smith & Waterman, 1981, J. Mol. Biol. 147,
-    195-197). Chains are taken from the best downwards; one that meets another is sought anew among
-    what is left. `threshold` is that of the tracker, as log-odds.
+    A chain may begin and end anywhere. Its evidence is the sum of its candidates' log-odds above
+    `even_log_odds`, less the costs of steps and of skipped lines. The chain with the most evidence
+    is found by dynamic programming over range lines (a local alignment: Smith & Waterman, 1981,
+    J. Mol. Biol. 147, 195-197). Chains are accepted in order of evidence; a chain that meets an
+    accepted one is searched again among the remaining candidates. `threshold` is that of the
+    tracker, as log-odds.
     """
     line = candidates.line
     excess = candidates.log_odds - (threshold + linking.even_log_odds)
@@ -171,7 +173,7 @@ def link(candidates, linking, threshold):
 
 
 class _Peaks(NamedTuple):
-    """Candidates, and what each gains a chain."""
+    """Candidates, and the evidence that each adds to a chain."""
 
     first: np.ndarray
     line: np.ndarray
@@ -180,15 +182,15 @@ class _Peaks(NamedTuple):
 
 
 class _Taken(NamedTuple):
-    """Chains taken so far, and what they are to every candidate."""
+    """Chains accepted so far, and their position relative to every candidate."""
 
-    chain: np.ndarray  # its own, `NONE` for none
-    free: np.ndarray
-    above: np.ndarray  # the nearest chain above it, and where that is
+    chain: np.ndarray  # number of the candidate's chain, or `NONE`
+    free: np.ndarray  # whether a chain may still use the candidate
+    above: np.ndarray  # nearest chain above the candidate, and its row
     above_row: np.ndarray
     below: np.ndarray
     below_row: np.ndarray
-    start: np.ndarray  # of every chain, its first line and its last
+    start: np.ndarray  # first and last line of every chain
     stop: np.ndarray
 
 
@@ -202,7 +204,7 @@ def _nothing_taken(n):
 
 @njit(cache=True)
 def _take_chains(peaks, rules, taken):
-    """Take chains until none is left that gathers enough."""
+    """Accept chains until none with enough evidence is left."""
     n_chains = 0
     total = np.empty(peaks.row.size, np.float32)
     before = np.empty(peaks.row.size, np.int64)
@@ -222,7 +224,7 @@ def _take_chains(peaks, rules, taken):
 
 @njit(cache=True)
 def _extend(at, peaks, rules, taken, total, before):
-    """What the best chain that ends at each candidate of a line gathers, and the one before."""
+    """Evidence of the best chain to each candidate of line `at`, and its candidate before."""
     first, _, row, gain = peaks
     here = slice(first[at], first[at + 1])
     total[here] = 0
@@ -250,7 +252,7 @@ def _extend(at, peaks, rules, taken, total, before):
 
 @njit(cache=True)
 def _trace(end, peaks, taken, before, meets):
-    """Candidates of the chain to an end; none if it meets another, which is noted in `meets`."""
+    """Candidates of the chain to `end`; none, and `meets` is set, if it meets another chain."""
     members = np.empty(peaks.first.size, np.int64)
     size = 0
     c = end
@@ -271,7 +273,7 @@ def _trace(end, peaks, taken, before, meets):
 
 @njit(cache=True)
 def _uncrossed(q, c, peaks, taken):
-    """Whether no chain passes between two candidates, q before c."""
+    """Whether no accepted chain passes between candidate q and the later candidate c."""
     left = peaks.line[q]
     right = peaks.line[c]
     if not _same(taken.above[q], taken.above[c], left, right, taken):
@@ -281,7 +283,7 @@ def _uncrossed(q, c, peaks, taken):
 
 @njit(cache=True)
 def _same(beside_left, beside_right, left, right, taken):
-    """Whether two chains beside two candidates are one, or neither reaches the other's line."""
+    """Whether the chains beside two candidates are the same, or end before the other's line."""
     if beside_left == beside_right:
         return True
     if beside_left != NONE and taken.stop[beside_left] >= right:
@@ -291,7 +293,7 @@ def _same(beside_left, beside_right, left, right, taken):
 
 @njit(cache=True)
 def _take(number, members, peaks, apart, taken):
-    """Take candidates of a chain and those too near to it; tell others on which side it is."""
+    """Mark the candidates of a chain and those near it as used, and update its neighbours."""
     first, line, row, _ = peaks
     taken.start[number] = line[members[0]]
     taken.stop[number] = line[members[-1]]

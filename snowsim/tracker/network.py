@@ -1,7 +1,7 @@
-"""The networks, their loss, and tracking with them.
+"""Networks of the tracker, their loss, and the probabilities that they give.
 
-Each is an encoder shaped like VGG16. Each stage has a side output; the fused output is
-their weighted sum.
+Each network is an encoder shaped like VGG16 with a side output at each stage. The fused output is a
+weighted sum of the side outputs.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic
 
-# Channels of each stage, as a multiple of the width, and its convolutions, as in VGG16.
+# Channels of each stage as a multiple of the width, and number of its convolutions, as in VGG16.
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
 
 
@@ -51,7 +51,7 @@ class MultiScaleNetwork(nn.Module):
         """Logits, (output, patch, 1, range_bin, range_line), of images made by `to_input`."""
         x = image
         if self.n_averaged > 1:
-            # The last mean may be of fewer.
+            # In ceil mode the last mean may have fewer lines.
             x = functional.avg_pool2d(image, (1, self.n_averaged), ceil_mode=True)
         maps = []
         for number, stage in enumerate(self.stages):
@@ -65,12 +65,12 @@ class MultiScaleNetwork(nn.Module):
             factors = (2**number, 2**number * self.n_averaged)
             logits.append(self.enlarged(side(x).float(), factors, image.shape[2:]))
         sides = torch.stack(logits)
-        # The 1x1 convolution that fuses maps is a product here: maps are not stacked as channels.
+        # A weighted sum is the 1x1 convolution that fuses maps, without stacking them as channels.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
 
     def merged(self, maps):
-        """Maps of the stages that side outputs see, finest first: each stage its own."""
+        """Inputs of the side outputs, finest first: the map of each stage."""
         return maps
 
     @staticmethod
@@ -84,7 +84,7 @@ class MultiScaleNetwork(nn.Module):
         return enlarge(logit, factors)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw weights: as He et al. (2015), sides with s.d. 0.01; fuse starts as a mean."""
+        """Draw weights as He et al. (2015) do, those of sides with s.d. 0.01; fuse is a mean."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):
@@ -99,10 +99,11 @@ class MultiScaleNetwork(nn.Module):
 
 
 class PyramidNetwork(MultiScaleNetwork):
-    """The same, but fine stages also see what coarse ones found, as in the paper they do not.
+    """A multi-scale network whose fine stages also use the maps of coarse ones.
 
-    Each stage gives half as many channels as the first has, by a 1x1 convolution, and adds those of
-    the next coarser one, enlarged: the top-down path of Lin et al. (2017), CVPR, sections 3 and 6.
+    It is not in the paper. A 1x1 convolution gives each stage half as many channels as the first
+    stage has; the enlarged map of the next coarser stage is added: the top-down path of Lin et al.
+    (2017), CVPR, sections 3 and 6.
     """
 
     kind = "pyramid"
@@ -115,7 +116,7 @@ class PyramidNetwork(MultiScaleNetwork):
         self.sides = nn.ModuleList(nn.Conv2d(n_merged, 1, 1) for _ in STAGES)
 
     def merged(self, maps):
-        """Maps that side outputs see, finest first: those of a stage and of all coarser ones."""
+        """Inputs of the side outputs, finest first: sums over a stage and all coarser ones."""
         found = []
         for lateral, x in zip(self.laterals[::-1], maps[::-1], strict=True):
             x = lateral(x)
@@ -126,7 +127,7 @@ class PyramidNetwork(MultiScaleNetwork):
 
 
 def enlarge(x, factors, *, align_corners=False):
-    """Maps (patch, channel, row, column), bilinearly enlarged by `factors` (row, column)."""
+    """Maps (patch, channel, row, column) enlarged bilinearly by `factors` (row, column)."""
     if factors == (1, 1):
         return x
     scale = tuple(float(factor) for factor in factors)
@@ -136,11 +137,10 @@ def enlarge(x, factors, *, align_corners=False):
 
 
 def track(network, image, *, precision="float32"):
-    """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
+    """Probability of a layer from each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
-    `network` comes from `trained_network`. `image` is uint8 (range_bin, range_line) of any size;
-    an image without contrast raises ValueError. `precision` is that of the arithmetic, `float32`
-    or `bfloat16`.
+    `network` is a `trained_network`. `image` is uint8 (range_bin, range_line) of any size;
+    ValueError if it has no contrast. `precision` of the arithmetic is `float32` or `bfloat16`.
     """
     return torch.sigmoid(_logits(network, image, precision)).cpu().numpy()
 
@@ -184,5 +184,5 @@ def balanced_cross_entropy(logits, masks, *, layer_share=None, cost=cost_of_logi
     if layer_share is None:
         layer_share = layer.sum(dim=(1, 2, 3), keepdim=True) / masks[0].numel()
     weight = torch.where(masks[:, None], 1 - layer_share, layer_share)
-    # As a product of matrices it needs no array of the size of `logits` but the cost.
+    # A product of matrices needs only one array of the size of `logits`, the cost.
     return cost(logits, layer).flatten(1) @ weight.flatten() / masks.shape[0]

@@ -1,4 +1,4 @@
-"""From log-odds to layers: of one scene, or of frames that follow one another."""
+"""Layers from log-odds, in one scene or in frames that follow one another."""
 
 from dataclasses import dataclass, replace
 
@@ -9,31 +9,30 @@ from scipy.special import expit, logit
 from snowsim.echogram import crossing_layers
 from snowsim.limits import check_values
 from snowsim.tracker.inputs import Canonical
-from snowsim.tracker.joining import downwards, join
-from snowsim.tracker.layers import confidence, layers_of_frame, likely, on_lines
+from snowsim.tracker.joining import join, sort_downwards
+from snowsim.tracker.layers import confidence, confident_pieces, layers_of_frame, on_lines
 from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
-# A candidate so near to the surface is the surface.
-SURFACE_ROWS = 3.0
-MEAN_OVER = (5, 33)  # rows and range lines, to tell echoes from noise
-CERTAIN = (1e-6, 1 - 1e-6)  # probabilities beyond count as these
+SURFACE_ROWS = 3.0  # a candidate within this distance of the surface is the surface
+MEAN_OVER = (5, 33)  # rows and range lines over which echoes are told from noise
+CERTAIN = (1e-6, 1 - 1e-6)  # probabilities are clipped to these
 
 
 def pieces_in(log_odds, threshold):
     """Pieces of layers in a map of log-odds (row, range_line), list of `Piece`, strongest first.
 
-    `threshold` are the log-odds from which a peak speaks for a layer.
+    `threshold` is the log-odds above which a peak is evidence for a layer.
     """
     return link(find_candidates(log_odds, LINKING, threshold), LINKING, threshold)
 
 
 def rows_in(log_odds, threshold):
-    """Rows of the layers in a map of log-odds, (layer, range_line) downwards, NaN without a pick.
+    """Rows of the layers in a map of log-odds, (layer, range_line) downwards, NaN without pick.
 
-    Each piece is a layer: `join` gives those on either side of a long gap one name.
+    Each piece is a layer of its own; `join`, which links pieces over long gaps, is not used.
     """
-    pieces = downwards(pieces_in(log_odds, threshold))
+    pieces = sort_downwards(pieces_in(log_odds, threshold))
     n_lines = log_odds.shape[1]
     lines = np.arange(n_lines)
     rows = np.array([on_lines(piece, piece.row, lines) for piece in pieces]).reshape(-1, n_lines)
@@ -42,7 +41,7 @@ def rows_in(log_odds, threshold):
 
 
 def rows_in_image(run, image, card):
-    """`rows_in` an 8-bit image (row, range_line) that is as the tracker was trained to see it.
+    """Rows of the layers in an 8-bit canonical image (row, range_line), as of `rows_in`.
 
     `run` gives log-odds of a stack of inputs.
     """
@@ -52,15 +51,14 @@ def rows_in_image(run, image, card):
 def pick_layers(probability, *, threshold, where="image"):
     """Layers in a map of the probability of a layer, linked as `snowsim track` links them.
 
-    `snowsim track` also gives the pieces of a layer on either side of a long gap one name; here
-    each is a layer.
+    Each linked piece is a layer; `snowsim track` also joins pieces over long gaps.
 
     Parameters
     ----------
     probability : array_like, (range_bin, range_line)
-        In [0, 1]; as a network gives it, or thin.
+        In [0, 1], as the output of a network or thinned.
     threshold : float
-        Probability, above 0 and below 1, from which a peak speaks for a layer.
+        Probability, above 0 and below 1, above which a peak is evidence for a layer.
     where : str
         Name of the map, for errors.
 
@@ -83,10 +81,10 @@ def pick_layers(probability, *, threshold, where="image"):
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the network saw in a frame, whose samples are not kept.
+    """Candidates for layers in a frame, and its surface, without the samples of the frame.
 
-    `surface` are rows, and `surface_excess` log-odds above even ones, on range lines of the
-    image.
+    On range lines of the canonical image, `surface` is the row of the surface and `surface_excess`
+    the log-odds of the surface above the tracker's threshold.
     """
 
     canonical: Canonical
@@ -101,17 +99,17 @@ class Evidence:
 
     @property
     def n_averaged(self):
-        """Own range lines in one of the image."""
+        """Number of own range lines averaged in one line of the image."""
         return self.canonical.grid.n_averaged
 
     @property
     def notes(self):
-        """What a reader of the layers should know, tuple of lines."""
+        """Notes on what limits the layers of this frame, tuple of str."""
         return self.canonical.notes
 
 
 def evidence_of(run, canonical, card):
-    """`Evidence` of a canonical frame; `run` gives log-odds of a stack of inputs."""
+    """`Evidence` in a canonical frame; `run` gives log-odds of a stack of inputs."""
     threshold = card.threshold_log_odds
     grid = canonical.grid
     parts = []
@@ -124,15 +122,16 @@ def evidence_of(run, canonical, card):
 
 
 def deepest_row(image, grey):
-    """The deepest row on each range line that is brighter than so much in the mean around it."""
+    """Deepest row on each range line whose mean over `MEAN_OVER` is brighter than `grey`."""
     bright = uniform_filter(image.astype(np.float32), MEAN_OVER, mode="nearest") > grey
     return np.where(bright.any(axis=0), len(image) - bright[::-1].argmax(axis=0), 0)
 
 
 def _split_surface(canonical, candidates, threshold):
-    """Evidence: the candidate nearest the surface on every line is it.
+    """`Evidence` with the candidate nearest the surface on every line taken as the surface.
 
-    Others near it are none, nor are those at the lower end of the window: both are edges.
+    Other candidates near the surface and those at the lower end of the window are dropped, because
+    they are edges and no layers.
     """
     grid = canonical.grid
     line = candidates.line
@@ -149,16 +148,17 @@ def _split_surface(canonical, candidates, threshold):
 
 
 def layers_of_frames(frames, card):
-    """Layers datasets of frames that follow one another, list of `Evidence`; all name them alike.
+    """Layers datasets of frames that follow one another, one for each `Evidence`.
 
-    Layer 0 is the surface, layer i the same in every frame; a frame holds those picked in it.
+    Layer 0 is the surface; layer i is the same layer in every frame. A dataset has only the layers
+    that were picked in its frame.
     """
     candidates = Candidates.concatenated([frame.candidates for frame in frames])
     n_lines = candidates.n_lines
     found = join(link(candidates, LINKING, card.threshold_log_odds))
     surface = _surface(frames)
     sure = confidence(surface, n_lines, card.confidence)
-    pieces = [(surface, sure), *likely(found, n_lines, card.confidence)]
+    pieces = [(surface, sure), *confident_pieces(found, n_lines, card.confidence)]
     layers = []
     first_line = 0
     for frame in frames:
@@ -168,7 +168,7 @@ def layers_of_frames(frames, card):
 
 
 def _surface(frames):
-    """The surface of frames as a `Piece` of the range lines on which something was recorded."""
+    """Surface of all frames as one `Piece`, on the range lines on which something was recorded."""
     rows = np.concatenate([frame.surface for frame in frames])
     excess = np.concatenate([frame.surface_excess for frame in frames])
     recorded = np.concatenate([frame.canonical.recorded for frame in frames])
@@ -178,7 +178,7 @@ def _surface(frames):
 def probability_of(run, canonical):
     """Probability of a layer at every pixel of an echogram, float32 (range_bin, range_line).
 
-    Linear between rows of the image and between its range lines; NaN where it has none.
+    It is interpolated linearly in the canonical image, and NaN outside that image.
     """
     grid = canonical.grid
     parts = log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines)

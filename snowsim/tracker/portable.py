@@ -1,4 +1,4 @@
-"""Networks written as ONNX, which runs without torch, and read from it."""
+"""Networks written to ONNX, which runs without torch, and read from it."""
 
 import copy
 import io
@@ -14,12 +14,12 @@ from snowsim.training import load_weights
 
 INPUT = "image"
 OUTPUT = "logit"
-TRACED_SHAPE = (1, 1, 64, 48)  # of the image that the export runs; the network takes any other
-PREFIX = "network."  # of names of weights in the file
+TRACED_SHAPE = (1, 1, 64, 48)  # image of the export; the exported network takes any size
+PREFIX = "network."  # of the names of weights in the file
 
 
 class FusedLogits(nn.Module):
-    """The fused output of a network alone, logits (patch, 1, range_bin, range_line)."""
+    """A network that gives only its fused output, logits (patch, 1, range_bin, range_line)."""
 
     def __init__(self, network):
         super().__init__()
@@ -32,21 +32,22 @@ class FusedLogits(nn.Module):
 
 
 def enlarged_alone(logit, factors, size):
-    """As `MultiScaleNetwork.enlarged`, for onnxruntime, which pads a map's one channel to sixteen.
+    """`MultiScaleNetwork.enlarged` in a form that is fast in onnxruntime.
 
-    It does so up to where the channel is taken away, here before the map is enlarged.
+    onnxruntime pads a single channel to sixteen until the channel axis is removed; here it is
+    removed before the map is enlarged.
     """
     without_channel = logit.squeeze(1)
     return MultiScaleNetwork.enlarged(without_channel.unsqueeze(1), factors, size)
 
 
 def to_onnx(network, offset=0.0, about=None):
-    """A `MultiScaleNetwork` as ONNX (bytes): the same network always gives the same bytes.
+    """ONNX file (bytes) of a `MultiScaleNetwork`; the same network always gives the same bytes.
 
     The input ``image``, float32 (n, 1, range_bin, range_line) of any size, is ``2 / 255 * grey -
     1`` of a uint8 image, see `snowsim.patches.to_signed`. The output ``logit``, of the same shape,
     are the fused logits less `offset`, which is subtracted from the bias of the fuse. `about` are
-    words by name for the file's metadata.
+    texts by name for the metadata of the file.
     """
     sizes = {0: "n", 2: "range_bin", 3: "range_line"}
     content = io.BytesIO()
@@ -54,7 +55,7 @@ def to_onnx(network, offset=0.0, about=None):
     with torch.no_grad():
         network.fuse.bias -= offset
     with warnings.catch_warnings():
-        # torch warns that this exporter is old, but the new one would fix the size of images.
+        # torch warns that this exporter is old, but the new one fixes the size of images.
         warnings.simplefilter("ignore")
         torch.onnx.export(
             FusedLogits(network),
@@ -72,7 +73,7 @@ def to_onnx(network, offset=0.0, about=None):
 
 
 def network_of_onnx(content):
-    """The network that `to_onnx` wrote (bytes), of its kind; the offset stays in its bias.
+    """Network from the bytes that `to_onnx` gave; the offset stays in its bias.
 
     ValueError if the bytes are no such network.
     """
@@ -84,7 +85,7 @@ def network_of_onnx(content):
     held = {each.name: numpy_helper.to_array(each).copy() for each in model.graph.initializer}
     n_averaged = 1
     for node in model.graph.node:
-        # The file holds equal weights once.
+        # The file stores equal weights once.
         if node.op_type == "Identity" and node.input[0] in held:
             held[node.output[0]] = held[node.input[0]]
         if node.op_type == "AveragePool":
@@ -93,6 +94,6 @@ def network_of_onnx(content):
     kind = PyramidNetwork if PREFIX + "laterals.0.weight" in held else MultiScaleNetwork
     expected = kind(1).state_dict().keys()
     weights = {name: held[PREFIX + name] for name in expected if PREFIX + name in held}
-    # For a file without weights it is 1, and the error below names the first one missing.
+    # Width 1 for a file without weights: `load_weights` then names the first that is missing.
     width = len(weights.get("stages.0.0.bias", [0]))
     return load_weights(kind(width, n_averaged), weights, "tracker").eval()

@@ -1,4 +1,4 @@
-"""The tracker as its authors train it: network, scaled and mirrored scenes, loss and updates.
+"""Training of the tracker by its authors' recipe: network, copies of scenes, loss and updates.
 
 Their code is github.com/BinaLab/MultiScale; their paper is Rahnemoonfar, Yari, Paden, Koenig &
 Ibikunle (2021), J. Glaciol. 67.
@@ -26,7 +26,7 @@ MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 
 class PublishedNetwork(MultiScaleNetwork):
-    """The multi-scale network with the input, first weights and side maps of the published code."""
+    """Multi-scale network with the input, initial weights and side maps of the published code."""
 
     @staticmethod
     def to_input(images):
@@ -62,10 +62,10 @@ class PublishedNetwork(MultiScaleNetwork):
 
 
 def published_optimiser(network, settings, _):
-    """Stochastic gradient descent with one group for each rate and decay.
+    """Stochastic gradient descent with one group for each pair of rate and decay.
 
-    Parameters of equal rate and decay share a group: an update calls the optimiser once a group,
-    and in a small network that call takes longer than the arithmetic.
+    Groups are few because an update calls the optimiser once for each, and in a small network this
+    call takes longer than the arithmetic.
     ValueError for settings that do not apply to copies of whole scenes.
     """
     if settings.batch_size > 1 or settings.n_range_bins or settings.n_range_lines:
@@ -88,21 +88,21 @@ def published_optimiser(network, settings, _):
 
 
 def published_rate(settings, n_updates, epoch):
-    """Learning rate over its highest, after `n_updates` updates and `epoch` whole epochs."""
+    """Learning rate relative to the highest, after `n_updates` updates and `epoch` epochs."""
     if settings.n_epochs_per_tenth is not None:
         return 0.1 ** (epoch // settings.n_epochs_per_tenth)
     return 0.1 ** (n_updates // settings.n_steps_per_tenth)
 
 
 def cost_of_probabilities(logits, layer):
-    """Cross-entropy of each pixel from float32 probabilities; logarithms are cut at -100."""
+    """Cross-entropy of each pixel from float32 probabilities, with logarithms of at least -100."""
     probability = torch.sigmoid(logits.float())
     truth = layer.expand_as(probability)
     return functional.binary_cross_entropy(probability, truth, reduction="none")
 
 
 def published_training(training, scenes):
-    """The batch of every step, a scaled or mirrored scene, and the function that takes it.
+    """Two functions: the batch of a step, a scaled or mirrored scene, and the training on it.
 
     An epoch shows every scene once at each scale and once mirrored, in random order. A step adds a
     gradient to a sum. An update follows `n_accumulated` gradients, counted anew in every epoch;

@@ -1,4 +1,4 @@
-"""Training sets of the tracker: real scenes mixed with synthetic ones."""
+"""Training sets of the tracker, which mix real scenes with synthetic ones."""
 
 import dataclasses
 from functools import lru_cache
@@ -6,12 +6,12 @@ from functools import lru_cache
 from snowsim.limits import check_count
 from snowsim.patches import draw_index
 
-PAPER_SCENES_PER_REAL = 1500 / 2360  # synthetic scenes of each set; Yari et al. (2021)
-N_SCENES_HELD = 2500  # real scenes kept in memory, each about .2 MB
+PAPER_SCENES_PER_REAL = 1500 / 2360  # synthetic scenes of a set per real scene, Yari et al. (2021)
+N_SCENES_HELD = 2500  # most real scenes kept in memory, each about .2 MB
 
 
 class Completed:
-    """Scenes whose layers are their `complete_layer_bins`, if they have these."""
+    """Scenes with `complete_layer_bins` as their layers, where they have these."""
 
     def __init__(self, scenes):
         self._scenes = scenes
@@ -29,22 +29,23 @@ class Completed:
 
 
 class TrainingSet:
-    """The scene of every draw of a training: ``scenes[position]``, from position 0 without end.
+    """Endless sequence of the scenes that a training draws, ``scenes[position]``.
 
     An epoch of `n_per_epoch` draws shows each real scene once, and from each added set
     `added_per_real` times as many, in random order. Scenes of an added set are drawn without
-    replacement until all were shown, through the epochs. A draw is a function of seed and position
-    alone, so that a resumed training sees what it would have seen.
+    replacement until all were shown, across epochs. A draw depends on seed and position alone, so
+    that a resumed training draws the same scenes.
 
     Parameters
     ----------
     real : sequence of Scene
-        Scenes are read when they are drawn. Real ones are then kept, since they return soonest.
+        Scenes are read when they are drawn. Real ones are then kept in memory, since they are drawn
+        again in every epoch.
     added : sequence of sequence of Scene
-        Synthetic sets; none for training on real scenes alone.
+        Synthetic sets; empty for training on real scenes alone.
     added_per_real : float
-        Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is
-        empty.
+        Scenes of each added set per real scene. ValueError if this gives no scene in an epoch, or
+        if a set is empty.
     seed : int
     """
 
@@ -67,12 +68,12 @@ class TrainingSet:
         self.n_per_epoch = len(real) + len(added) * self._n_added
 
     def hold(self):
-        """Read the real scenes, before processes that share them start."""
+        """Read the real scenes into memory; called before the processes that share them start."""
         for number in range(min(len(self._sets[0]), N_SCENES_HELD)):
             self._held(number)
 
     def source(self, position):
-        """Numbers (set, scene) of the scene at `position`; set 0 is the real one."""
+        """Numbers (set, scene) of the scene at `position`; set 0 has the real scenes."""
         epoch = position // self.n_per_epoch
         slot = draw_index(self.n_per_epoch, position, self._seed, "training set", "order")
         n_real = len(self._sets[0])
@@ -90,7 +91,7 @@ class TrainingSet:
 
 
 def copy_shown(position, n_per_epoch, n_copies, seed):
-    """Draw of a `TrainingSet` and number of the copy that a training shows at `position`.
+    """Draw of a `TrainingSet` and number of its copy that a training shows at `position`.
 
     Every epoch shows all copies of its draws in random order.
     """

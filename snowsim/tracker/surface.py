@@ -1,36 +1,37 @@
-"""The snow surface of an echogram: where power rises most over the air above it."""
+"""Snow surface of an echogram: the range bin where power rises most above the air over it."""
 
 import numpy as np
 from scipy.ndimage import median_filter
 
-AIR_BINS = 24  # whose mean is that of the air above
-# A surface rises by more than such a mean of few bins errs, even of a single look.
+AIR_BINS = 24  # bins of air above a surface that are averaged
+# The rise at a surface exceeds the error of a mean of three bins, even with a single look.
 LEAST_AIR_BINS = 3
-SNOW_BINS = 3
+SNOW_BINS = 3  # bins of snow below a surface that are averaged
 LEAST_SNOW_BINS = 2
-GUARD_BINS = 3  # between both: an echo has an edge
-SMOOTH_LINES = 15
-OUTLIER_BINS = 8.0
-# A pick that lies farther off is wrong; where over a quarter of the lines are, all are.
+GUARD_BINS = 3  # between air and snow, for the edge of the echo
+SMOOTH_LINES = 15  # of the running median
+OUTLIER_BINS = 8.0  # largest distance from the running median
+# A given surface that lies farther from the one found is wrong. If it is wrong on more than this
+# share of the lines, it is not used at all.
 WRONG_BINS = 15.0
 WRONG_SHARE = 0.25
-# Nearer ones may be, too. An echo is largest so far below the interface; a surface whose median
-# lies so much farther off is wrong if it lies in the snow, or power hardly rises there: by less
-# than this share of the largest rise [dB].
+# A given surface may be wrong although it is near. The peak of an echo lies PEAK_BINS below the
+# interface. A surface is biased if its median is more than OFF_BINS away from there and it either
+# lies in the snow or sees less than RISE_SHARE of the largest rise of power [dB].
 PEAK_BINS = 2.0
 OFF_BINS = 3.0
 RISE_SHARE = 1 / 3
 
 
 def find_surface(power_db, given):
-    """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
+    """Surface found on every line, and share of its rise that power has at the given surface.
 
-    It is the largest of the next few bins where their mean exceeds that of the air above by most,
-    of what was recorded; where too little air was, its median above the surface of other lines
-    counts; where too little snow was, nothing rises. A line that leaves the running median by more
-    than a few bins takes the median. And by what share of that power rises at the surface given,
-    (range_line,): all of it where the snow below was recorded but no air above, NaN where that is
-    unknown.
+    `power_db` is (range_bin, range_line), `given` and both results are (range_line,). The surface
+    is a range bin, NaN on lines without an echo: where the mean of the next bins exceeds the mean
+    of the air above by most, it is the brightest of these bins. Lines on which too little air was
+    recorded use the median air of other lines; without recorded snow there is no rise. A line far
+    from the running median takes the median. The share is 1 where snow below the given surface was
+    recorded but no air above it, and NaN where it is unknown.
     """
     n_bins, n_lines = power_db.shape
     known = np.isfinite(power_db).any(axis=0)
@@ -59,7 +60,7 @@ def find_surface(power_db, given):
 
 
 def _means(power_db, n, n_least):
-    """Means of `n` bins from each on, (place, range_line), NaN where too few are known."""
+    """Means of `n` bins from each bin on, (place, range_line), NaN if too few are known."""
     present = np.isfinite(power_db)
     start = np.zeros((1, power_db.shape[1]))
     total = np.cumsum(np.r_[start, np.where(present, power_db, 0)], axis=0)
@@ -69,7 +70,7 @@ def _means(power_db, n, n_least):
 
 
 def _share_of_rise(rise, at):
-    """Rise of dB (place, range_line) at places (range_line,), as a share of the line's largest."""
+    """Rise [dB] at one place of every line, (range_line,), as a share of the line's largest."""
     largest = rise.max(axis=0)
     known = (at >= 0) & (at <= len(rise) - 1) & (largest > 0)
     lines = np.flatnonzero(known)
@@ -79,16 +80,16 @@ def _share_of_rise(rise, at):
 
 
 def without_outliers(bins):
-    """Bins by range line; one far from the running median is replaced by it."""
+    """Bins by range line; those far from the running median are replaced by it."""
     smooth = median_filter(bins, SMOOTH_LINES, mode="nearest")
     return np.where(np.abs(bins - smooth) > OUTLIER_BINS, smooth, bins)
 
 
-def chosen_surface(given, found, share, n_bins):
-    """The surface given, if it lies near the one found, else the one found; and why, or None.
+def select_surface(given, found, share, n_bins):
+    """Surface to use, and a note if it is not the given one, else None.
 
-    Both are range bins by range line, NaN where unknown; gaps are bridged. `share` is that of
-    `find_surface`.
+    The given surface is used where it agrees with the one found. Both are range bins by range
+    line, NaN where unknown; gaps are filled. `share` is that of `find_surface`.
     """
     if not np.isfinite(given).any():
         return gaps_filled(found), "the file has no surface, it was found in the echogram"
@@ -97,11 +98,14 @@ def chosen_surface(given, found, share, n_bins):
     outside = np.isfinite(given) & ~known
     wrong = ~known | (both & _is_far_off(given, found, share))
     if outside.sum() > WRONG_SHARE * given.size:
-        reason = f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
-        reason += "range lines, the strongest rise of power is taken for it"
+        reason = (
+            f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
+            "range lines, the strongest rise of power is taken for it"
+        )
         return gaps_filled(found), reason
-    is_biased = _is_biased(given[both], found[both], share[both])
-    if wrong.sum() <= WRONG_SHARE * given.size and not is_biased:
+    if wrong.sum() <= WRONG_SHARE * given.size and not _is_biased(
+        given[both], found[both], share[both]
+    ):
         return gaps_filled(np.where(wrong, found, given)), None
     n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
     reason = (
@@ -112,9 +116,10 @@ def chosen_surface(given, found, share, n_bins):
 
 
 def _is_far_off(given, found, share):
-    """Whether a surface given lies far from the one found and is not to be believed, by line.
+    """Lines on which the given surface is wrong because it is far from the one found, bool.
 
-    Where an echo rises at it, and it is smooth, a brighter interface below is none to go by.
+    It is not wrong where it is smooth and an echo rises at it: the surface found is then a brighter
+    interface below.
     """
     n = min(SMOOTH_LINES, given.size)
     rises = median_filter(np.nan_to_num(share), n, mode="nearest") >= RISE_SHARE
@@ -124,16 +129,16 @@ def _is_far_off(given, found, share):
 
 
 def _is_biased(given, found, share):
-    """Whether a surface given that lies near the one found is wrong all the same, in the median."""
+    """Whether the given surface is near the one found but wrong in the median, see `OFF_BINS`."""
     if given.size == 0:
         return False
     off = np.median(found - given) - PEAK_BINS
-    # Above the surface given nothing rises; below a faint one, crusts may rise by more.
+    # No echo lies above a true surface. Below a faint one, a crust may be brighter.
     return off < -OFF_BINS or (off > OFF_BINS and np.median(share) < RISE_SHARE)
 
 
 def gaps_filled(bins):
-    """Bins by range line, gaps filled in straight lines."""
+    """Bins by range line with gaps filled linearly."""
     known = np.isfinite(bins)
     lines = np.arange(bins.size)
     return np.interp(lines, lines[known], bins[known])

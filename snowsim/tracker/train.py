@@ -1,4 +1,4 @@
-"""Training of the tracker by the small recipe or the published one, resumable to the byte."""
+"""Training of the tracker, by the small recipe or the published one; resumable exactly."""
 
 import math
 
@@ -25,7 +25,7 @@ WARM_UP = 0.1  # share of the steps during which the learning rate rises
 
 
 def network_of(settings):
-    """A network by its `Settings`; its weights are not yet drawn."""
+    """Network for `Settings`, before its weights are drawn."""
     if settings.network == "published":
         return PublishedNetwork(settings.width)
     kind = PyramidNetwork if settings.network == "pyramid" else MultiScaleNetwork
@@ -33,15 +33,15 @@ def network_of(settings):
 
 
 def trained_network(weights, settings, *, device="cpu"):
-    """Network for `track` from weights (dict of arrays) and the `Settings` of their training."""
+    """Network for `track` from its weights (dict of arrays) and the `Settings` of its training."""
     network = load_weights(network_of(settings), weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()
 
 
 class Training(Resumable):
-    """The network, its optimiser and the number of gradients taken.
+    """State of a training: the network, its optimiser and the number of gradients taken.
 
-    A training resumes from these and its seed, since what a step draws depends on seed and step
+    A training resumes from these and the seed, since the scenes of a step depend on seed and step
     alone.
 
     Parameters
@@ -49,13 +49,13 @@ class Training(Resumable):
     settings : Settings
     seed : int
     device : str
-        Where to train, `cpu` or `cuda`.
+        `cpu` or `cuda`.
 
     Attributes
     ----------
     network : MultiScaleNetwork, or one of its kinds
     step : int
-        Gradients taken.
+        Number of gradients taken.
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
@@ -67,7 +67,7 @@ class Training(Resumable):
         self.optimisers["optimiser"] = self.optimiser
 
     def state(self):
-        """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
+        """Everything that a step changes except `step` itself, nested dicts of CPU tensors."""
         sums = {name: weights.grad for name, weights in self.network.named_parameters()}
         return super().state() | {"gradient": on_device(sums, "cpu")}
 
@@ -77,14 +77,14 @@ class Training(Resumable):
             set_rate(group, group["highest"] * rate)
 
     def update(self):
-        """Change the weights by the summed gradients, which are then zeros."""
+        """Update the weights by the summed gradients and set these to zero."""
         self.optimiser.step()
         self.optimiser.zero_grad(set_to_none=False)
 
     def restore(self, state, step):
-        """Go on from a `state`, as arrays, that was kept after `step` steps.
+        """Continue from a `state`, as arrays, that was saved after `step` steps.
 
-        ValueError if other settings made it.
+        ValueError if it was made with other settings.
         """
         super().restore(state, step)
         for name, sums in state.get("gradient", {}).items():
@@ -93,26 +93,27 @@ class Training(Resumable):
 
 
 def train_steps(training, scenes, *, n_workers=0):
-    """Train from where `training` is to its last step, one gradient at a time.
+    """Train to the last step, one gradient at a time, from the step that `training` has reached.
 
     Parameters
     ----------
     training : Training
-        Changed in place; between two steps its `state` may be saved.
+        It is changed in place; its `state` may be saved between two steps.
     scenes : TrainingSet
-        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end;
-        the published recipe also needs `n_per_epoch`, and workers `hold`. ValueError if a scene has
-        no image or no contrast, or no layer, which the published recipe allows.
+        Or any object that gives the scene of each draw, `scenes[position]`, from 0 without end. The
+        published recipe also needs `n_per_epoch`, and workers need `hold`. ValueError if a scene
+        has no image or no contrast. The small recipe also refuses a scene without a layer.
     n_workers : int
-        Processes that prepare crops ahead, for a GPU; results do not depend on it.
+        Processes that prepare crops in advance, for a GPU; results do not depend on it.
 
     Yields
     ------
     step : int
-        Gradients taken, counted from 1; on a GPU every 50 and the last.
+        Number of gradients taken. On a GPU only every 50th and the last are given.
     losses : dict of float
         Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and their sum `total`, of this
-        step; on a GPU means since the last that was given. FloatingPointError if one is not finite.
+        step, or on a GPU their means since those given before. FloatingPointError if one is not
+        finite.
     """
     settings = training.settings
     if n_workers:
@@ -126,7 +127,7 @@ def train_steps(training, scenes, *, n_workers=0):
 
 
 def small_training(training, scenes):
-    """The batch of every step by the small recipe, random crops, and the function that takes it."""
+    """Two functions of the small recipe: the batch of a step, random crops, and training on it."""
     settings = training.settings
 
     def batch_at(step):
@@ -141,7 +142,7 @@ def small_training(training, scenes):
         return {"image": training.network.to_input(images), "mask": torch.from_numpy(masks)}
 
     def gradient(batch):
-        """Update by the gradient of a batch; the losses per pixel before, (output,)."""
+        """Update by the gradient of a batch; its losses per pixel before that, (output,)."""
         with arithmetic(training.device, settings.precision):
             logits = training.network(batch["image"])
         per_output = balanced_cross_entropy(logits, batch["mask"], layer_share=settings.layer_share)
@@ -160,7 +161,7 @@ def small_training(training, scenes):
 
 
 def rate_factor(settings, step):
-    """Rate relative to the highest, after `step` steps: a linear rise and a cosine fall."""
+    """Learning rate relative to the highest after `step` steps: linear rise, cosine fall."""
     done = (step + 1) / settings.n_steps
     if done < WARM_UP:
         return done / WARM_UP

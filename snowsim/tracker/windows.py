@@ -1,7 +1,8 @@
-"""A network of an ONNX file, run over a whole echogram in windows that overlap.
+"""Runs the network of an ONNX file over a whole echogram in overlapping windows.
 
-Pooling reduces by 16, of range lines that may have been averaged in pairs: windows that begin on a
-grid of so many pixels and overlap by more than a pixel sees give what the whole gives.
+The result is that of one run over the whole: windows begin on the grid of the coarsest pooling, of
+16 rows and, since the network may average pairs of range lines, 32 lines. They overlap by more than
+the distance from which an output pixel depends on the image.
 """
 
 import numpy as np
@@ -10,33 +11,34 @@ from snowsim.progress import shown
 
 GRID_ROWS = 16
 GRID_LINES = 2 * GRID_ROWS
-# Farther than a pixel sees: 98 pixels, by the last stage's convolutions, and at most 23 of its
-# up-sampling.
+# More than the 121 pixels on which an output depends: 98 through the convolutions of the last stage
+# and at most 23 through its enlargement.
 MARGIN_ROWS = 8 * GRID_ROWS
 MARGIN_LINES = 8 * GRID_LINES
 WINDOW_ROWS = 64 * GRID_ROWS
 WINDOW_LINES = 64 * GRID_LINES
-NEEDED = "tracking needs onnxruntime: pip install 'snowsim[track]'"
 
 
 def runner(weights, temperature=1.0, where="weights"):
-    """Log-odds of a stack of inputs, both float32 (patch, 1, row, range_line), as a function.
+    """Function that gives log-odds of inputs, both float32 (patch, 1, row, range_line).
 
-    They are the logits of a network (bytes of an ONNX file), run by onnxruntime on one thread, over
-    a temperature. ValueError where onnxruntime is missing, or finds no network of this input.
+    Log-odds are the logits of the network in `weights`, bytes of an ONNX file, divided by
+    `temperature`; onnxruntime runs on one thread. ValueError if onnxruntime is missing, or the file
+    is no such network.
     """
     try:
         import onnxruntime
     except ImportError as error:
-        raise ValueError(NEEDED) from error
+        msg = "tracking needs onnxruntime: pip install 'snowsim[track]'"
+        raise ValueError(msg) from error
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
     options.inter_op_num_threads = 1
-    # Windows differ in size: what was kept for the largest would stay.
+    # Windows differ in size, and an arena would keep the memory of the largest.
     options.enable_cpu_mem_arena = False
     try:
         session = onnxruntime.InferenceSession(weights, options, ["CPUExecutionProvider"])
-    except Exception as error:  # of a kind that onnxruntime does not export
+    except Exception as error:  # onnxruntime does not export its errors
         msg = f"{where}: expected an ONNX network, {type(error).__name__}"
         raise ValueError(msg) from error
     inputs = [each.name for each in session.get_inputs()]
@@ -53,10 +55,10 @@ def runner(weights, temperature=1.0, where="weights"):
 
 
 def log_odds_by_lines(run, image_of, n_rows, n_lines):
-    """First range line, log-odds and image (row, range_line) of stretches of range lines, in order.
+    """Yield first range line, log-odds and image (row, range_line) of each stretch of lines.
 
-    `run` gives log-odds of a stack of inputs, `image_of(first, stop)` the 8-bit image (row,
-    range_line) of range lines; no more than a window of either is in memory.
+    `run` gives log-odds of a stack of inputs, and `image_of(first, stop)` the 8-bit image (row,
+    range_line) of range lines. Only one window of either is in memory.
     """
     for first in shown(range(0, n_lines, WINDOW_LINES), unit="window"):
         stop = min(first + WINDOW_LINES, n_lines)
@@ -74,6 +76,6 @@ def log_odds_by_lines(run, image_of, n_rows, n_lines):
 
 
 def to_input(image):
-    """Float32 (1, 1, row, range_line) in [-1, 1] of an 8-bit image, as in training."""
+    """Input of the network, float32 (1, 1, row, range_line) in [-1, 1], of an 8-bit image."""
     signed = image.astype(np.float32) * np.float32(2 / 255) - np.float32(1)
     return signed[None, None]

@@ -108,7 +108,7 @@ def test_a_faint_surface_above_a_strong_crust_is_left_where_the_file_has_it(trac
 
 def off_bins(tracker, echogram, surface):
     """Rows, by range line, that the surface used lies below another one [s]."""
-    grid = tracker.see(echogram).canonical.grid
+    grid = tracker.detect(echogram).canonical.grid
     return grid.surface_row + grid.top - (surface - echogram["twtt"].values[0]) / grid.bin_s
 
 
@@ -171,7 +171,7 @@ def test_lines_are_averaged_to_the_looks_that_the_card_knows_or_it_is_said(
     ranges = {"bin_s": [1e-10, 5e-10], "line_spacing_m": [0, 10.5], "n_looks": [3.5, 40]}
     tracker = Tracker.load(write_weights(tmp_path, ridge_weights(), ranges=ranges))
     echogram, _ = planted(rng, spacing_m=spacing_m)
-    seen = tracker.see(with_looks(echogram, n_looks, rng)).canonical
+    seen = tracker.detect(with_looks(echogram, n_looks, rng)).canonical
     assert seen.grid.n_averaged == averaged
     assert ("single look" in " ".join(seen.notes)) == (n_looks == 1)
     assert seen.outside == outside
@@ -380,6 +380,6 @@ def test_a_frame_has_the_layers_picked_in_it_by_the_names_of_the_segment(tracker
     below = np.arange(echogram.sizes["twtt"]) * BIN_S > layers["twtt"].values[1].max() + 15 * BIN_S
     without = echogram.copy(deep=True)
     without["Data"][below] = 3 * rng.gamma(16, 1 / 16, (below.sum(), 300))
-    one, two = tracker.pick_together([tracker.see(echogram), tracker.see(without)])
+    one, two = tracker.pick_together([tracker.detect(echogram), tracker.detect(without)])
     assert one["layer"].values.tolist() == NAMES
     assert two["layer"].values.tolist() == NAMES[:2]

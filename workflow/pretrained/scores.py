@@ -17,10 +17,10 @@ from snowsim.tracker import (
     WITHIN_BINS,
     Calibration,
     between_lines,
+    confident_pieces,
     edge_counts,
     fused_logits,
     join,
-    likely,
     near_a_layer,
     on_lines,
     pieces_in,
@@ -78,7 +78,7 @@ def followed(logits, tracker, shape):
     bins = []
     sure = []
     found = pieces_of(logits, tracker.calibration)
-    for piece, of_piece in likely(found, n_lines, tracker.confidence):
+    for piece, of_piece in confident_pieces(found, n_lines, tracker.confidence):
         own_row = resized_rows(on_lines(piece, piece.row, lines), n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
         sure.append(between_lines(on_lines(piece, of_piece, lines), own_lines))
