@@ -1,10 +1,12 @@
 """Whole files only: write aside, then rename; and what is wrong with a file, in one line."""
 
 import errno
+import fcntl
 import glob
 import os
+import platform
 import shutil
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
@@ -115,15 +117,19 @@ FULL_DISK_BYTES = 2**20
 def written_whole(path):
     """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
 
-    What a killed process left beside the same path is removed: nobody renames it any more. Where
-    HDF5 says only "HDF error", the room that is left shows whether the disk was full.
+    The name is this process's own. What processes that no longer run left beside the same path is
+    removed; that of other computers stays, since nobody here knows whether they run. Where HDF5
+    says only "HDF error", the room that is left shows whether the disk was full.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    before, after = f".{path.stem}.{platform.node()}.", f".part{path.suffix}"
+    for left in path.parent.glob(f"{glob.escape(before)}*{glob.escape(after)}"):
+        process = left.name.removeprefix(before).removesuffix(after)
+        if process.isdecimal() and not _is_running(int(process)):
+            left.unlink(missing_ok=True)
     # The ending stays: some writers choose the format by it.
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    for left in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}"):
-        left.unlink(missing_ok=True)
+    aside = path.with_name(f"{before}{os.getpid()}{after}")
     try:
         yield aside
         aside.replace(path)
@@ -135,6 +141,37 @@ def written_whole(path):
         raise OSError(msg) from error
     finally:
         aside.unlink(missing_ok=True)
+
+
+def _is_running(process):
+    """Whether a process of this computer runs, by its number."""
+    try:
+        os.kill(process, 0)  # sends nothing
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:  # it is another user's
+        return True
+    # One that was killed keeps its number until its parent asks for it.
+    with suppress(OSError):
+        return " Z " not in Path(f"/proc/{process}/stat").read_text().rpartition(")")[2]
+    return True
+
+
+@contextmanager
+def locked(folder):
+    """Keep other processes that lock the same folder waiting until the block ends.
+
+    The lock is on the folder itself, so that no file is left. On a file system without locks, as
+    some of clusters are, nobody waits.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def write_bytes(path, content):

@@ -19,7 +19,7 @@ from snowsim.io.containers import (
     write_matlab,
 )
 from snowsim.io.echograms import l1b_content, parameters
-from snowsim.io.files import library_errors, one_line, refusal, write_dataset
+from snowsim.io.files import library_errors, locked, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 
 SURFACE = "surface"
@@ -397,13 +397,16 @@ def write_layer_files(folder, segment, frames, *, force=False):
         If a file is there and `force` is not set; if the folder holds layer files of other frames,
         whose layers the organizer would name anew; if layers cross, or a variable is missing.
     """
-    refuse_other_frames(folder, segment, frames)
     of_paths = {_frame_path(folder, segment, number): frames[number] for number in frames}
+    refuse_other_frames(folder, segment, frames)  # before the folder of the segment is made
     contents = _contents(segment, of_paths, "tracked")
-    for path in contents if not force else ():
-        refuse_existing(path)
-    for path, content in contents.items():
-        write_matlab(path, "layers", content)
+    with locked(_parent(folder, segment)):
+        # Once more under the lock: another process may have written since.
+        refuse_other_frames(folder, segment, frames)
+        for path in contents if not force else ():
+            refuse_existing(path)
+        for path, content in contents.items():
+            write_matlab(path, "layers", content)
     return list(contents)
 
 

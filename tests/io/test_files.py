@@ -1,6 +1,10 @@
 """Files the workflow writes appear whole, come back, repeat to the byte, and say what ails them."""
 
 import errno
+import os
+import platform
+import subprocess
+import sys
 
 import numpy as np
 import pandas as pd
@@ -21,6 +25,7 @@ from snowsim.io import (
     write_table,
     written_whole,
 )
+from snowsim.io.files import locked
 
 
 def test_a_writer_that_fails_leaves_the_old_file(tmp_path):
@@ -38,13 +43,58 @@ def test_a_writer_that_fails_leaves_the_old_file(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_a_killed_process_wrote_aside_of_the_same_file_is_removed(tmp_path):
-    left, others = [".a.12.part.nc", ".a.345.part.nc"], [".ab.12.part.nc", ".a.12.part.csv"]
+def name_aside(stem, process, ending):
+    return f".{stem}.{platform.node()}.{process}.part.{ending}"
+
+
+def test_what_dead_processes_wrote_aside_of_the_same_file_is_removed(tmp_path):
+    # A process that ended and still has its number, and a number that no process has.
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    os.waitid(os.P_PID, dead.pid, os.WEXITED | os.WNOWAIT)
+    left = [name_aside("a", dead.pid, "nc"), name_aside("a", 10**12, "nc")]
+    others = [name_aside("ab", dead.pid, "nc"), name_aside("a", dead.pid, "csv")]
+    others.append(f".a.another-computer.{dead.pid}.part.nc")
     for name in left + others:
         (tmp_path / name).touch()
     with written_whole(tmp_path / "a.nc") as aside:
         aside.write_text("whole")
+    dead.wait()
     assert {path.name for path in tmp_path.iterdir()} == {"a.nc", *others}
+
+
+def test_what_a_living_process_writes_aside_of_the_same_file_stays(tmp_path):
+    code = (
+        "import sys; from snowsim.io import written_whole\n"
+        "with written_whole(sys.argv[1]) as aside:\n"
+        "    aside.write_text('other'); print('begun', flush=True); input()"
+    )
+    arguments = [sys.executable, "-c", code, str(tmp_path / "a.nc")]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen(arguments, **pipes) as other:
+        assert other.stdout.readline() == "begun\n"
+        with written_whole(tmp_path / "a.nc") as aside:
+            aside.write_text("own")
+        assert (tmp_path / "a.nc").read_text() == "own"
+        other.communicate("\n")
+    assert other.returncode == 0
+    assert (tmp_path / "a.nc").read_text() == "other"
+
+
+def test_a_locked_folder_keeps_other_processes_waiting(tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from snowsim.io.files import locked\n"
+        "print('begun', flush=True)\n"
+        "with locked(sys.argv[1]):\n"
+        "    print(Path(sys.argv[1], 'written').exists(), flush=True)"
+    )
+    arguments = [sys.executable, "-c", code, str(tmp_path)]
+    with locked(tmp_path):
+        other = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
+        assert other.stdout.readline() == "begun\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            other.wait(0.5)
+        (tmp_path / "written").touch()
+    assert other.communicate()[0] == "True\n"
 
 
 def test_a_full_disk_is_named_by_its_own_error(tmp_path):

@@ -8,6 +8,7 @@ from formats import refused
 from numpy.testing import assert_array_equal
 from refusals import refusal
 
+import snowsim.io.layers
 from snowsim.io import read_layers, write_layer_files, write_layers
 from snowsim.io.times import gps_seconds, utc_times
 
@@ -85,6 +86,23 @@ def test_layer_files_are_not_overwritten_unless_forced(tmp_path, layers):
         assert not frame.exists()
     write_layer_files(tmp_path, SEGMENT, {1: moved}, force=True)
     assert_array_equal(read_layers(frame)["twtt"][0], moved["twtt"][0])
+
+
+def test_of_two_processes_that_write_frames_of_one_segment_the_later_is_refused(
+    tmp_path, layers, monkeypatch
+):
+    made = snowsim.io.layers._contents
+
+    def other_writes_meanwhile(*arguments):
+        monkeypatch.setattr("snowsim.io.layers._contents", made)
+        write_layer_files(tmp_path, SEGMENT, {2: layers})
+        return made(*arguments)
+
+    monkeypatch.setattr("snowsim.io.layers._contents", other_writes_meanwhile)
+    with refusal("layer files: expected those of the frames tracked alone"):
+        write_layer_files(tmp_path, SEGMENT, {1: layers})
+    written = {path.name for path in tmp_path.rglob("*.mat")}
+    assert written == {f"Data_{SEGMENT}_002.mat", f"layer_{SEGMENT}.mat"}
 
 
 def test_an_organizer_does_not_rename_layers_of_other_frames(tmp_path, layers):
