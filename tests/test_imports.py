@@ -8,6 +8,7 @@ from processes import ROOT, run_in
 
 PACKAGE = ROOT / "snowsim"
 CORE = {
+    "compiling",
     "constants",
     "echogram",
     "alignment",

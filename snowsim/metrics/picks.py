@@ -5,8 +5,8 @@ Sums can be pooled over many scenes: by training set, by accumulation zone or by
 
 import numpy as np
 import pandas as pd
-from numba import njit
 
+from snowsim.compiling import compiled
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import check_layer_bins
 
@@ -54,7 +54,7 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
     return error_bins, used
 
 
-@njit(cache=True)
+@compiled()
 def _align(expected, found, max_distance):
     """Index of what was found for each entry expected, -1 for none.
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from snowsim.compiling import compiled
 from snowsim.echogram import Echoes, Kind, check_layer_bins
 from snowsim.limits import check_count, check_values
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
@@ -256,7 +256,7 @@ def _tables_of(waveforms, nodes_per_bin):
     )
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+@compiled(nogil=True, fastmath={"contract"})
 def _add_layers(centre_bins, share, tables, unit, power):
     """Fill `power` (range_bin, range_line) with the sum of all layers.
 
@@ -305,7 +305,7 @@ def _add_layers(centre_bins, share, tables, unit, power):
                 power[row, line] = unit * lines[line - at, row]
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+@compiled(nogil=True, fastmath={"contract"})
 def _add_head(column, value, slope, away, scale):
     """Add a waveform, read `away` bins from the nodes of its table.
 
@@ -322,7 +322,7 @@ def _add_head(column, value, slope, away, scale):
         column[row] += scale * value[row] * series
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+@compiled(nogil=True, fastmath={"contract"})
 def _add_tail(column, exponential, scale):
     """Add `scale` times an exponential."""
     for row in range(column.size):

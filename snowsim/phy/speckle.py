@@ -2,10 +2,10 @@
 
 from functools import lru_cache
 
-import numba
 import numpy as np
 from scipy.special import gammainccinv, gammaincinv, ndtr, ndtri
 
+from snowsim.compiling import compiled
 from snowsim.echogram import check_choice
 from snowsim.limits import check_values
 
@@ -207,7 +207,7 @@ def _correlating_taps(correlation, n_looks):
     return taps, (given + second * given**2) / (1 + second)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def filter_to_power(cells, normals, taps, quantiles, mean_power, power):
     """Filter the normals of `cells` down range, look each up in `quantiles`, scale by the mean."""
     n_range_bins, n_range_lines = mean_power.shape

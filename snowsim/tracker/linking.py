@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from snowsim.compiling import compiled
 
 NONE = -1
 NARROW = 256  # range lines of the scenes on which `Linking` was chosen
@@ -115,7 +116,7 @@ def find_candidates(log_odds, linking, threshold):
     return Candidates(*_peaks(log_odds, floor))
 
 
-@njit(cache=True)
+@compiled()
 def _peaks(log_odds, floor):
     """Arrays of `Candidates` of a map (range_line, row)."""
     n_lines, n_rows = log_odds.shape
@@ -202,7 +203,7 @@ def _nothing_taken(n):
     )
 
 
-@njit(cache=True)
+@compiled()
 def _take_chains(peaks, rules, taken):
     """Accept chains until none with enough evidence is left."""
     n_chains = 0
@@ -222,7 +223,7 @@ def _take_chains(peaks, rules, taken):
                 n_chains += 1
 
 
-@njit(cache=True)
+@compiled()
 def _extend(at, peaks, rules, taken, total, before):
     """Evidence of the best chain to each candidate of line `at`, and its candidate before."""
     first, _, row, gain = peaks
@@ -250,7 +251,7 @@ def _extend(at, peaks, rules, taken, total, before):
         total[c] = total[c] + gain[c] if taken.free[c] else -np.inf
 
 
-@njit(cache=True)
+@compiled()
 def _trace(end, peaks, taken, before, meets):
     """Candidates of the chain to `end`; none, and `meets` is set, if it meets another chain."""
     members = np.empty(peaks.first.size, np.int64)
@@ -271,7 +272,7 @@ def _trace(end, peaks, taken, before, meets):
     return members[:0]
 
 
-@njit(cache=True)
+@compiled()
 def _uncrossed(q, c, peaks, taken):
     """Whether no accepted chain passes between candidate q and the later candidate c."""
     left = peaks.line[q]
@@ -281,7 +282,7 @@ def _uncrossed(q, c, peaks, taken):
     return _same(taken.below[q], taken.below[c], left, right, taken)
 
 
-@njit(cache=True)
+@compiled()
 def _same(beside_left, beside_right, left, right, taken):
     """Whether the chains beside two candidates are the same, or end before the other's line."""
     if beside_left == beside_right:
@@ -291,7 +292,7 @@ def _same(beside_left, beside_right, left, right, taken):
     return beside_right == NONE or taken.start[beside_right] > left
 
 
-@njit(cache=True)
+@compiled()
 def _take(number, members, peaks, apart, taken):
     """Mark the candidates of a chain and those near it as used, and update its neighbours."""
     first, line, row, _ = peaks

@@ -19,7 +19,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from snowsim.compiling import compiled
 
 FREE = -1
 ABSENT = -2
@@ -81,7 +82,7 @@ def reach_by_column(radius, n_lines):
     return reach
 
 
-@njit(cache=True)
+@compiled()
 def _update(
     removed, added, search,
     mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue,
@@ -108,7 +109,7 @@ def _update(
     return change
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _match_truth(freed, search, state):
     """Find a new mate for a true pixel that lost its own: 1 if an augmenting path leads to one."""
     state.seen[freed] = search
@@ -133,7 +134,7 @@ def _match_truth(freed, search, state):
     return 0
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _free_pixel_near(here, tail, search, state):
     """An unmatched predicted pixel in reach of a true one, or `ABSENT`; and the queue's new end.
 
@@ -158,7 +159,7 @@ def _free_pixel_near(here, tail, search, state):
     return ABSENT, tail
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _match_pixel(pixel, search, state):
     """Find a mate for a predicted pixel that was added: 1 if an augmenting path leads to one."""
     here = pixel
@@ -182,7 +183,7 @@ def _match_pixel(pixel, search, state):
     return 1
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _free_truth_near(here, tail, search, state):
     """An unmatched true pixel in reach of a predicted one, or `ABSENT`; and the queue's new end.
 

@@ -1,9 +1,9 @@
 """Non-maximum suppression of an edge map to edges of one pixel, as is usual for HED."""
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import correlate1d
 
+from snowsim.compiling import compiled
 from snowsim.limits import check_values
 
 SMOOTHING_RADIUS = 1
@@ -116,7 +116,7 @@ def _border_fade(length):
     return np.minimum(steps / width, 1)
 
 
-@njit(cache=True)
+@compiled()
 def _keep_maxima(smoothed, tangent):
     """Copy of the smoothed map that is 0 where it has no maximum along the direction `tangent`."""
     n_rows, n_lines = smoothed.shape
@@ -137,7 +137,7 @@ def _keep_maxima(smoothed, tangent):
     return kept
 
 
-@njit(cache=True)
+@compiled()
 def _between_pixels(image, y, x):
     """Bilinear value of an image at row y and column x, which are clipped to the image."""
     n_rows, n_lines = image.shape

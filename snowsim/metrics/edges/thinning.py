@@ -1,7 +1,8 @@
 """Thinning of binary maps by a look-up table; only pixels whose neighbours changed are visited."""
 
 import numpy as np
-from numba import njit
+
+from snowsim.compiling import compiled
 
 # Neighbours of a pixel, anticlockwise from the right: neighbour k sets bit k of its 8-bit code.
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1))
@@ -36,7 +37,7 @@ def neighbour_steps(row_length):
     return np.array([row * row_length + line for row, line in NEIGHBOURS])
 
 
-@njit(cache=True)
+@compiled()
 def switch_on(pixels, on, codes, steps):
     """Add pixels to a flattened, framed map and to the codes of their neighbours, in place."""
     for pixel in pixels:
@@ -45,7 +46,7 @@ def switch_on(pixels, on, codes, steps):
             codes[pixel - steps[k]] |= np.uint8(1 << k)
 
 
-@njit(cache=True)
+@compiled()
 def thin_pixels(pixels, on, codes, steps, deletable):
     """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on.
 
