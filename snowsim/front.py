@@ -79,7 +79,7 @@ class Scenes(Sequence):
         if recipe.renderer is None:
             rendered = render_scene(scene, rng=rng, **recipe.options)
         else:
-            rendered = _rendered(scene, recipe.renderer)
+            rendered = rendered_by(scene, recipe.renderer)
         return dataclasses.replace(rendered, complete_layer_bins=scene.layer_bins)
 
     def _cut(self, scene):
@@ -111,7 +111,7 @@ class Scenes(Sequence):
         return export_pairs(folder, (self.scene(index) for index in indices))
 
 
-def _rendered(scene, renderer):
+def rendered_by(scene, renderer):
     """The scene with the image, or of the linear power, that someone's own renderer makes of it."""
     image = np.asarray(renderer(scene))
     shape = (scene.n_range_bins, scene.n_range_lines)

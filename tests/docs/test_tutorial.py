@@ -1,13 +1,13 @@
 """What the tutorials tell a reader to do works, word for word, in a fresh copy."""
 
 import os
-import re
 import shutil
 import sys
 from pathlib import Path
 
 import pytest
 import yaml
+from pages import blocks, save_named
 from processes import ROOT, run_in
 from snakemake.utils import update_config
 
@@ -26,13 +26,6 @@ NOT_COPIED = shutil.ignore_patterns(
     "*.egg-info",
 )
 EXPORTED = "results/export/pairs/pd/train.lst"
-
-
-def blocks(page):
-    """(language, code) of every block of commands on a page, in order."""
-    return re.findall(
-        r"^```(bash|python)\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL
-    )
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +89,7 @@ def test_code_on_the_other_pages_runs(tmp_path):
     layers["layer"] = ["surface", *(f"snow_{n}" for n in range(1, layers.sizes["layer"]))]
     layers.assign(confidence=layers["twtt"]).to_netcdf(tmp_path / "NAME_layers.nc")
     pages = [ROOT / "docs/start/add-your-own.md", *sorted((ROOT / "docs/stages").glob("*.md"))]
+    save_named(pages[0], tmp_path)
     # One process for all, in which no block sees what another named.
     program = [
         f"exec(compile({code!r}, {page.name!r}, 'exec'), {{}})"

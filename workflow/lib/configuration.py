@@ -15,6 +15,7 @@ from snowsim.settings import CGAN, PHY, TRACKER
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # Recipes of each stage by name; the first is the default.
 RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
+NO_FUNCTIONS = {"renderers": {}, "trackers": {}}
 
 # For JSON Schema after draft 4, 4.0 is an integer.
 STRICT = jsonschema.validators.extend(
@@ -44,6 +45,7 @@ def filled(config):
     if isinstance(named, str):
         named = {"recipe": named}
     whole["reference"] = asdict(settings_from("reference", *recipe_of("reference", named)))
+    whole["own"] = NO_FUNCTIONS | config.get("own", {})
     return whole
 
 

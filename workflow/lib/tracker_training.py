@@ -38,6 +38,7 @@ def train(
     real,
     phy,
     cgan,
+    own,
     network,
     losses,
     *,
@@ -61,7 +62,7 @@ def train(
     with ExitStack() as opened:
         opened.enter_context(enough_memory(f"a tracker of width {settings.width}"))
         observed, *added = [
-            opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan) if paths
+            opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan, own) if paths
         ]
         scenes, settings = compose(observed, added, settings, n_epochs, seed, **data)
         made_of = {

@@ -53,7 +53,12 @@ include: "sources.smk"
 # Renders that the training sets of Table III add to the train scenes, and those that trackers are trained on alone.
 TRAINING_SETS = {"rd": [], "rd_gd": ["cgan"], "rd_pd": ["phy"], "rd_pd_gd": ["phy", "cgan"]}
 ALONE = {"gd": ["cgan"], "pd": ["phy"]}
-METHODS = ("cgan", "phy")
+OWN_RENDERERS = config["own"]["renderers"]
+OWN_TRACKERS = config["own"]["trackers"]
+OWN_SETS = {f"rd_{name}": [name] for name in OWN_RENDERERS}
+METHODS = ("cgan", "phy", *OWN_RENDERERS)
+# Folder of a method's renders below results/: a name of yours is no other folder's.
+FOLDERS = {name: f"own/{name}" for name in OWN_RENDERERS}
 LABELS = config["labels"]
 TRACKER = config["tracker"]
 N_SCENES = {**N_OBSERVED, "labels": LABELS["n_scenes"]}
@@ -70,7 +75,7 @@ wildcard_constraints:
     replica=r"\d+",
     split="|".join(SPLITS),
     scenes="labels|test",
-    training_set="|".join(TRAINING_SETS | ALONE),
+    training_set="|".join(TRAINING_SETS | ALONE | OWN_SETS),
     scored_set=r"\w+",
     set="rd|pd|gd",
 
@@ -104,7 +109,8 @@ def benchmark_files(*splits):
 
 def rendered_files(method, *sets):
     """Files of scene sets rendered by one method."""
-    return [f"results/{method}/{scenes}/{shard}.nc" for scenes in sets for shard in shards(scenes)]
+    folder = FOLDERS.get(method, method)
+    return [f"results/{folder}/{scenes}/{shard}.nc" for scenes in sets for shard in shards(scenes)]
 
 
 def digest(path):
@@ -128,7 +134,7 @@ def of_checkout(*names):
 
 def added_scenes(method, training_set):
     """Files of label sets rendered by a method, if a training set contains them."""
-    joins = method in (TRAINING_SETS | ALONE)[training_set]
+    joins = method in (TRAINING_SETS | ALONE | OWN_SETS)[training_set]
     return rendered_files(method, "labels") if joins else []
 
 

@@ -104,8 +104,34 @@ rule render_cgan:
         "../scripts/render_cgan.py"
 
 
+# Renderers of someone's own, functions of a scene. A workflow without any has no such rule.
+if OWN_RENDERERS:
+
+    rule render_own:
+        input:
+            layers=lambda w: f"{LAYERS[w.scenes]}/{w.shard}.nc",
+            statistics="results/statistics.nc",
+            function=lambda w: OWN_RENDERERS[w.renderer],
+        output:
+            scenes="results/own/{renderer}/{scenes}/{shard}.nc",
+        log:
+            "logs/render_own/{renderer}/{scenes}/{shard}.log",
+        benchmark:
+            "results/benchmarks/render_own/{renderer}/{scenes}/{shard}.tsv"
+        wildcard_constraints:
+            renderer="|".join(OWN_RENDERERS),
+        resources:
+            results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
+        params:
+            renderer="{renderer}",
+        message:
+            "renders by {wildcards.renderer} of {wildcards.scenes}, shard {wildcards.shard}"
+        script:
+            "../scripts/render_own.py"
+
+
 rule renders:
     input:
         [rendered_files(method, "labels", "test") for method in METHODS],
     message:
-        "label sets and test masks rendered by both methods"
+        "label sets and test masks rendered by every method"

@@ -4,7 +4,7 @@
 rule score_similarity:
     input:
         observed="results/benchmark/test/{shard}.nc",
-        rendered=expand("results/{method}/test/{{shard}}.nc", method=METHODS),
+        rendered=[f"results/{FOLDERS.get(name, name)}/test/{{shard}}.nc" for name in METHODS],
     output:
         images=expand("results/similarity/{method}/{{shard}}.parquet", method=METHODS),
         rows=expand("results/similarity/{method}/{{shard}}_rows.parquet", method=METHODS),

@@ -3,9 +3,12 @@
 
 rule train_tracker:
     input:
-        real=lambda w: benchmark_files("train") if w.training_set in TRAINING_SETS else [],
+        real=lambda w: benchmark_files("train") if w.training_set not in ALONE else [],
         phy=lambda w: added_scenes("phy", w.training_set),
         cgan=lambda w: added_scenes("cgan", w.training_set),
+        own=lambda w: [
+            path for name in OWN_RENDERERS for path in added_scenes(name, w.training_set)
+        ],
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -60,7 +63,7 @@ rule score_tracker:
         str(ROOT / "workflow/scripts/score_tracker.py")
 
 
-RUNS = [(name, replica) for name in TRAINING_SETS for replica in SEEDS]
+RUNS = [(name, replica) for name in TRAINING_SETS | OWN_SETS for replica in SEEDS]
 
 
 rule tabulate_trackers:
@@ -91,8 +94,34 @@ rule tabulate_trackers:
         "../scripts/tabulate_trackers.py"
 
 
+# Trackers of someone's own, functions of an image.
+if OWN_TRACKERS:
+
+    rule score_own:
+        input:
+            scenes=benchmark_files("test"),
+            function=lambda w: OWN_TRACKERS[w.tracker],
+        output:
+            table="results/tables/own_{tracker}.csv",
+        log:
+            "logs/score_own/{tracker}.log",
+        benchmark:
+            "results/benchmarks/score_own/{tracker}.tsv"
+        wildcard_constraints:
+            tracker="|".join(OWN_TRACKERS),
+        params:
+            tracker="{tracker}",
+            seed=config["seed"],
+            n_bootstrap=TRACKER["n_bootstrap"],
+        message:
+            "edge scores and errors of picks of {wildcards.tracker} on test scenes"
+        script:
+            "../scripts/score_own.py"
+
+
 rule trackers:
     input:
         rules.tabulate_trackers.output,
+        expand("results/tables/own_{tracker}.csv", tracker=OWN_TRACKERS),
     message:
         "Table III, errors of picks"

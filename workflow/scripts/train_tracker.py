@@ -9,6 +9,7 @@ with job(snakemake):
         snakemake.input.real,
         snakemake.input.get("phy", []),
         snakemake.input.get("cgan", []),
+        snakemake.input.get("own", []),
         snakemake.output.network,
         snakemake.output.losses,
         threads=snakemake.threads,

@@ -64,6 +64,7 @@ def flight_config(config, flight):
     own["benchmark"]["test_seed"] = own["seed"]
     own["reference"] = draw_reference(config["reference"], own["seed"])
     own["tracker"]["n_seeds"] = config["studies"]["flights"]["n_trainings"]
+    own["own"] = {}
     # Each run keeps its unfinished trainings in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"
     own["checkpoints"]["events"] = "logs/tensorboard"

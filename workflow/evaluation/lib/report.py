@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced
+from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced, name_of
 from evaluation.lib.machine import describe_machine, describe_versions
 from snowsim.io.files import written_whole
 from snowsim.metrics.picks import snow_per_bin_m
@@ -172,7 +172,7 @@ def summary(table2, intervals, jobs):
     return [
         ("SSIM with observed scenes", ssim, f"PSNR [dB] {psnr}; means over test scenes"),
         ("Tracker on RD alone, fused ODS", f"{rd['mean']:.3f}", interval),
-        ("Best augmented set, fused ODS", NAMES[best], f"{gain} over RD, 95 % interval"),
+        ("Best augmented set, fused ODS", name_of(best), f"{gain} over RD, 95 % interval"),
         ("Time of all jobs", wall, f"{len(jobs)} jobs, a core each"),
     ]
 

@@ -9,6 +9,7 @@ PRINTED = deepcopy(GIVEN)
 for size in ("n_range_bins", "n_range_lines", "depth"):
     PRINTED["cgan"].get("training", {}).pop(size, None)
 update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
+PRINTED["own"] = {}
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"
 PRINTED["checkpoints"]["events"] = "logs/as_printed/tensorboard"
 

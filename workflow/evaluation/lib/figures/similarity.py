@@ -4,8 +4,8 @@ import numpy as np
 
 from evaluation.lib.figures.style import (
     BLACK,
-    COLOURS,
     GUIDE,
+    colour_of,
     line_style,
     name_of,
     new_figure,
@@ -32,7 +32,7 @@ def ssim_depth(ssim_depth, scale):
     figure, ax = new_panel()
     for method, rows in ssim_depth.groupby("method"):
         depth_m = scale.depth_m(rows["range_bin"])
-        ax.plot(depth_m, rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
+        ax.plot(depth_m, rows["ssim"], color=colour_of(method), alpha=0.25, linewidth=0.7)
         ax.plot(depth_m, rows["ssim_smooth"], **line_style(method))
     ax.axvline(0, label="snow surface", **GUIDE)
     ax.set(xlabel="depth [m]", ylabel="SSIM", title="means over renders of test scenes")

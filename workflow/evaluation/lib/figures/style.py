@@ -125,9 +125,14 @@ def name_of(key):
     return NAMES.get(key, key.replace("_", " "))
 
 
+def colour_of(key):
+    """Colour of a method or a training set: those of someone's own share one."""
+    return COLOURS.get(key, PINK)
+
+
 def line_style(key):
     """Colour, dashes and label of a method or a training set."""
-    return {"color": COLOURS[key], "linestyle": DASHES[key], "label": name_of(key)}
+    return {"color": colour_of(key), "linestyle": DASHES.get(key, "-"), "label": name_of(key)}
 
 
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
