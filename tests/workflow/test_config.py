@@ -16,6 +16,7 @@ from runs import (
     parsed,
     refused,
 )
+from snakemake.cli import parse_config
 from snakemake.utils import update_config
 
 from lib.configuration import RECIPES, filled
@@ -161,3 +162,27 @@ def test_what_is_printed_otherwise_stands_among_the_departures():
             for key, value in settings_of_section.items():
                 if value != CONFIG[section][key]:
                     assert re.search(rf"\b{key}\b", departures), f"{section}.{key}"
+
+
+@pytest.mark.parametrize(
+    ("said", "job", "value"),
+    [
+        ("labels={n_scenes: 1400, nonstationary: {zones: [0, 2]}}", "draw_labels", "[0, 2]"),
+        ("cgan={training: {n_steps: 7}, picks: as_picked}", "train_cgan", "'n_steps': 7,"),
+        ("reference={radar: {bandwidth_hz: 3.5e+9}}", "reference_scenes", "3500000000.0"),
+    ],
+)
+def test_nested_values_of_the_command_line_have_the_types_of_a_file(tmp_path, said, job, value):
+    flow = parsed(tmp_path, targets=["all"], **parse_config([said]))
+    params = [dict(each.params.items()) for each in flow.dag.jobs if each.rule.name == job]
+    assert params
+    assert all(value in str(found) for found in params)
+
+
+def test_text_of_the_command_line_that_is_wrong_is_refused_by_its_key(tmp_path):
+    for said, line in (
+        ("phy={n_looks: many}", "config: phy: n_looks must be finite"),
+        ("labels={n_scenes: 12.0}", "config: labels.n_scenes: 12.0 is not of type 'integer'"),
+        ("import={frames: a.tsv", "config: import: '{frames: a.tsv' is not of type 'object'"),
+    ):
+        assert line in refused(tmp_path, **parse_config([said]))

@@ -23,6 +23,25 @@ STRICT = jsonschema.validators.extend(
 )
 
 
+def typed(value, said):
+    """A configuration in which nested values of `--config`, `said`, have the types of a file.
+
+    Snakemake reads all of ``--config 'phy={n_looks: 100}'`` as text. What a file says is left
+    alone.
+    """
+    if isinstance(value, dict) and isinstance(said, dict):
+        return value | {key: typed(value[key], said[key]) for key in value.keys() & said.keys()}
+    if isinstance(value, list) and isinstance(said, list) and len(value) == len(said):
+        return [typed(*pair) for pair in zip(value, said, strict=True)]
+    if isinstance(value, str) and value == said:
+        try:
+            read = yaml.load(value, Loader=yaml.CSafeLoader)
+        except yaml.YAMLError:  # half a mapping: text, which the schema refuses by its key
+            return value
+        return read if read is None or isinstance(read, (bool, int, float)) else value
+    return value
+
+
 def filled(config):
     """A configuration with all settings of its recipes; a setting that it names replaces them.
 

@@ -16,7 +16,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
 from lib import checks, sources
-from lib.configuration import filled
+from lib.configuration import filled, typed
 from lib.targets import described
 
 # Every process has one thread, and processes run side by side: numbers do not depend on the number of cores.
@@ -41,6 +41,7 @@ def or_refused(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
+config.update(typed(config, workflow.config_settings.config))
 # The configuration as given serves runs beside this one, with other recipes. In `config` all recipes are filled in.
 GIVEN = deepcopy(config)
 config.update(or_refused(filled, config))
