@@ -8,9 +8,9 @@ from snowsim.constants import STATISTICS_CONTENT
 
 
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
-    """ValueError, with the first value that fails, unless all are finite and within limits.
+    """Raise ValueError, with the first bad value, unless all are finite and within limits.
 
-    With `above` they must be greater than `low`; with `number` there must be a single number.
+    With `above` values must be greater than `low`; with `number` there must be a single number.
     """
     values = np.asarray(values)
     if number and values.ndim:
@@ -35,7 +35,7 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=
 
 
 def check_count(name, value, least=1):
-    """ValueError unless a value is a whole number and at least `least`."""
+    """Raise ValueError unless a value is a whole number and at least `least`."""
     if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
         got = value if isinstance(value, Integral) else repr(value)
         msg = f"{name} must be a whole number of at least {least}, got {got}"
@@ -43,7 +43,7 @@ def check_count(name, value, least=1):
 
 
 def check_content(dataset, content, remedy, where):
-    """ValueError, naming `where` and what to do, unless a dataset is of this version."""
+    """Raise ValueError, naming `where` and the remedy, unless a dataset is of this version."""
     found = dataset.attrs.get("content", "none")
     if found != content:
         msg = f"{where}: content must be '{content}', got '{found}': {remedy}"
@@ -51,5 +51,5 @@ def check_content(dataset, content, remedy, where):
 
 
 def check_statistics(statistics, where="statistics"):
-    """ValueError, naming `where`, unless flight statistics are of this version."""
+    """Raise ValueError, naming `where`, unless flight statistics are of this version."""
     check_content(statistics, STATISTICS_CONTENT, "fit them again", where)

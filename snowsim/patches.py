@@ -10,7 +10,7 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """ValueError unless a scene has an image with contrast and a layer; it has none if `empty`."""
+    """Raise ValueError unless a scene has an image with contrast and, unless `empty`, a layer."""
     image = np.empty(0) if scene.image is None else scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
     is_image = image.shape == shape and image.dtype == np.uint8 and image.min() < image.max()
@@ -24,7 +24,7 @@ def check_trainable(scene, *, empty=False):
 
 
 def draw_index(n, position, seed, *keys):
-    """Number of the item, of `n`, that the draw at `position` gives.
+    """Number of the item, out of `n`, that is drawn at `position`.
 
     Every item comes once, in random order, before any comes again. `keys` say what is drawn, as for
     `random_stream`. The result depends on the arguments alone, so that a training that resumes at a
@@ -97,7 +97,7 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, kn
 
 
 def _draw_patch(maps, size, flip, rng):
-    """Cut a random window out of all maps that holds a drawn pixel of the mask, the second map."""
+    """A random window of all maps, around a random true pixel of the mask, the second map."""
     mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)

@@ -1,8 +1,8 @@
-"""Numbers that do not depend on where and in which order they are computed.
+"""Random streams and rounded numbers that depend on no order of work and no processor.
 
-One independent random generator per purpose is named by keys, never by position in a batch. Sums of
-products, logarithms and powers end in other last bits on other kinds of x86-64 processor; what
-follows from a number that a file keeps must not, so such numbers are rounded.
+Every purpose has a random generator of its own, named by keys, never by its position in a batch.
+Sums of products, logarithms and powers differ in their last bits between kinds of x86-64 processor.
+Numbers that a file keeps are rounded, so that nothing that follows from them differs.
 """
 
 import hashlib
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def seed_entropy(seed, *keys):
-    """128 bits, as an int, that depend on `seed`, every key and their order, and on nothing else.
+    """Entropy of 128 bits, as an int, from `seed`, every key and their order alone.
 
     Keys count by their text, so that ``1`` and ``"1"`` name the same stream.
     """
@@ -20,7 +20,7 @@ def seed_entropy(seed, *keys):
 
 
 def random_stream(seed, *keys):
-    """numpy.random.Generator for one purpose of a run, named by keys, most general first.
+    """Random generator of NumPy for one purpose of a run, named by keys, most general first.
 
     An example is ``random_stream(seed, "render_phy", scene)``. The generator is PCG64, seeded by
     `seed_entropy`. Streams are independent of each other, and of the order and division of work.
@@ -29,7 +29,7 @@ def random_stream(seed, *keys):
 
 
 def generator(rng):
-    """The generator `rng` or, if that is a seed, its generator; ValueError for anything else."""
+    """Generator `rng`, or a new one if that is a seed; ValueError for anything else."""
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
@@ -38,7 +38,7 @@ def generator(rng):
 
 
 def rounded(values, n_bits):
-    """Values with so many binary digits, float64 of the same shape; NaN and infinities stay.
+    """Values rounded to `n_bits` binary digits, float64; NaN and infinities stay.
 
     The relative error is at most 2^-`n_bits`: 1e-6 for 20, 1.5e-5 (7e-5 dB of power) for 16.
     """

@@ -1,7 +1,7 @@
-"""Settings as fields of dataclasses, each with its default, its limits, its unit and its meaning.
+"""Settings of PHY, the conditional GAN and the tracker, and their recipes.
 
-Of PHY, the conditional GAN and the tracker, with their recipes. Every start of the workflow imports
-this module, so it imports no stage.
+Each setting is a field of a dataclass, with its default, its limits, its unit and its meaning.
+Every start of the workflow imports this module, so it imports no stage.
 """
 
 from dataclasses import dataclass, field, fields, replace
@@ -60,7 +60,7 @@ def _check(name, value, each):
 
 @dataclass(frozen=True)
 class PhySettings(Checked):
-    """PHY: what may be chosen beside the recipe, as measured in the flight or as printed."""
+    """Setting of PHY beside the choice of recipe, as measured in the flight or as printed."""
 
     n_looks: float | None = setting(
         16,
@@ -69,8 +69,8 @@ class PhySettings(Checked):
     )
 
 
-# Section III; 100 input lines make one line of its image. Here they lie within its 5.2 m, over
-# which layers move by 0.2 bins: that would widen a variance of 10 by 0.003.
+# The paper's section III averages 100 input lines to one line of its image. Here these lie within
+# its 5.2 m, over which layers move by 0.2 bins: that would widen a variance of 10 by 0.003.
 PHY = {"measured": PhySettings(), "paper": PhySettings(n_looks=100)}
 
 

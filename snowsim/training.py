@@ -1,4 +1,4 @@
-"""Parts that the trainings of both networks share: steps, precision, states to keep and restore."""
+"""Parts that all trainings share: steps, precision, states to keep and to restore."""
 
 import math
 import warnings
@@ -6,14 +6,15 @@ import warnings
 import torch
 from torch.utils.data import DataLoader
 
-READ_EVERY = 50  # [steps] between readings of the losses on a GPU, which wait for the device
-# Shapes of batches that are captured, 300 heights at four scales; further ones are called.
+READ_EVERY = 50  # [steps] between readings of the losses on a GPU; each waits for the device
+# Most shapes of batches for which a step is captured: 300 heights at four scales. For others the
+# function is called.
 MOST_GRAPHS = 1200
-N_AHEAD = 4  # batches that each process makes before they are asked for
+N_AHEAD = 4  # batches that each process makes ahead
 
 
 def is_gpu(device):
-    """Whether a device is a GPU."""
+    """True if a device is a GPU."""
     return torch.device(device).type == "cuda"
 
 
@@ -141,9 +142,9 @@ def set_rate(group, rate):
 
 
 class Batches:
-    """The batch of every step of a training; a ValueError is given, not raised.
+    """Batches of a training by number of the step; a ValueError is returned, not raised.
 
-    A process that makes batches would raise it with its traceback as the message.
+    Raised in a process that makes batches, its message would be the whole traceback.
     """
 
     def __init__(self, batch_at):
@@ -181,11 +182,11 @@ def batches(batch_at, first, n_steps, *, device, n_workers):
 
 
 def run_steps(training, batch_at, take, names, *, n_workers):
-    """Take the steps that a training still has, each with ``take(batch)``, which gives its losses.
+    """Run the steps that a training still has; yields the steps taken and the losses by name.
 
-    Yields the number of steps taken and the losses by name: of every step; on a GPU, where reading
-    them waits for the device, the mean since the last, every `READ_EVERY` steps and at the end.
-    FloatingPointError if one is not finite.
+    ``take(batch)`` runs one step and gives its losses. On a CPU every step yields. Reading losses
+    from a GPU waits for the device: there every `READ_EVERY` steps, and the last, yield the mean of
+    the losses since the reading before. FloatingPointError if a loss is not finite.
     """
     n_steps = training.settings.n_steps
     every = READ_EVERY if is_gpu(training.device) else 1
@@ -271,9 +272,9 @@ class Resumable:
         return on_device(state, "cpu")
 
     def restore(self, state, step):
-        """Go on from a `state`, as arrays, that was kept after `step` steps.
+        """Continue from a `state`, as arrays, that was kept after `step` steps.
 
-        ValueError if other settings made it.
+        ValueError if it was made by other settings.
         """
         for name, network in self.networks.items():
             load_weights(network, state.get(name, {}), f"{self._what} {name}")

@@ -1,4 +1,4 @@
-"""Grain of a generator's images: noise whose statistics are those of what the images lack."""
+"""Grain: noise with the statistics of what a generator's images lack beside observed ones."""
 
 from functools import lru_cache
 
@@ -8,10 +8,11 @@ from scipy.signal import lfilter
 from torch import nn
 
 N_WEIGHTS = 5  # [range bins] of the filter
-# Texture of snow: its correlation falls to 1/e over so many range lines and bins.
+# Range lines and bins over which the correlation of the texture of snow falls to 1/e.
 TEXTURE_LINES, TEXTURE_BINS = 2.5, 6.0
-UNIT = 10.0  # of its size, which is then as large as the weights of the filter, and learns as fast
-# Between which pixels covariances are compared.
+# Unit of the texture's size, which is then as large as the filter's weights and learns as fast.
+UNIT = 10.0
+# Distances of the pixels whose covariances are compared.
 GRAIN_DISTANCES = (1, 2, 4, 16, 48)  # [range lines]
 GRAIN_LAGS = (0, 1, 2, 3, 4, 8, 16, 32)  # [range bins]
 
@@ -33,7 +34,7 @@ class Grain(nn.Module):
         self.skew = nn.Parameter(torch.zeros(1, 1))
 
     def draw(self, is_snow, *, rng):
-        """Noise of one pass, a dict, of the shape of `is_snow` (patch, range_bin, range_line)."""
+        """Noise of one pass, a dict of tensors, for `is_snow` (patch, range_bin, range_line)."""
         n_patches, n_range_bins, n_range_lines = is_snow.shape
         shape = (n_patches, 2, n_range_bins, n_range_lines)
         noise = rng.standard_normal(shape, dtype=np.float32)
@@ -45,7 +46,7 @@ class Grain(nn.Module):
         return {"grain": torch.from_numpy(noise), "gains": torch.from_numpy(gains)}
 
     def forward(self, noise):
-        """Grain of some noise."""
+        """Grain (patch, 1, range_bin, range_line) made of the noise of `draw`."""
         both = noise["grain"].to(self.skew)
         gains = noise["gains"].to(self.gain)
         white, texture = both.split(1, dim=1)
@@ -55,9 +56,10 @@ class Grain(nn.Module):
         return self.filter(total) + self.gain * gains
 
     def mismatch(self, lacking, is_snow):
-        """How far its covariance and third moment are from those of what images lack in snow.
+        """Loss of the grain: squared errors of its covariance and third moment in snow.
 
-        Both (patch, 1, range_bin, range_line). A sum of squares, in units of the variance.
+        The moments are compared with those of `lacking`, what images lack. `lacking` and `is_snow`
+        are (patch, 1, range_bin, range_line). Errors are in units of the variance.
         """
         lags = [lag for lag in GRAIN_LAGS if lag < lacking.shape[2]]
         distances = [distance for distance in GRAIN_DISTANCES if distance < lacking.shape[3]]
@@ -70,7 +72,7 @@ class Grain(nn.Module):
         return of_covariance + error**2 / unit**3
 
     def covariance(self, lags, distances):
-        """That of `change_covariance` in snow, by the weights."""
+        """Covariance that the weights give the grain in snow, as `change_covariance` has it."""
         weights = self.filter.weight[0, 0, :, 0]
         white, texture = _covariances(tuple(lags), tuple(distances), weights.device)
         size = UNIT * self.size.sum()
@@ -79,14 +81,14 @@ class Grain(nn.Module):
         return filtered + self.gain**2
 
     def third_moment(self):
-        """Mean third power, of the skewed noise alone."""
+        """Mean third power of the grain; only its skewed noise has one."""
         s = self.skew.sum()
         of_white = 2**0.5 * s * (3 + 2 * s**2) / (1 + s**2) ** 1.5
         return of_white * (self.filter.weight**3).sum()
 
 
 def correlated(white, length, *, axis):
-    """White noise to noise of the same variance, correlated as ``exp(-distance / length)``."""
+    """Noise with the variance of `white` and the correlation ``exp(-distance / length)``."""
     share = np.float32(np.exp(-1 / length))
     rest = np.sqrt(1 - share**2)
     white = np.moveaxis(white, axis, -1).copy()
@@ -118,7 +120,7 @@ def _covariances(lags, distances, device):
 def change_covariance(image, held, lags, distances):
     """Half the mean product of changes between range lines some distance apart, (distance, lag).
 
-    Lags are down range; of pixels held. Layers that lie level do not count.
+    Lags are down range. Only pixels `held` count; level layers do not change and add nothing.
     """
     found = torch.zeros(len(distances), len(lags), device=image.device)
     for row, distance in enumerate(distances):
@@ -136,7 +138,7 @@ def change_covariance(image, held, lags, distances):
 
 
 def third_moment(image, held):
-    """Mean third power of what pixels held are above the mean of their range bin."""
+    """Mean third power of the deviation of pixels `held` from the mean of their range bin."""
     across = {"dim": (0, 3), "keepdim": True}
     n_held = held.sum(**across).clamp(min=1)
     mean = (image * held).sum(**across) / n_held

@@ -1,7 +1,7 @@
-"""What the networks know of each pixel: depth, layers and how bright they are, how bright snow is.
+"""Inputs of the networks at each pixel: depth, layers, and the levels of layers and of snow.
 
 Levels are grey levels of an observed image, or decibels of PHY's mean power. Both count from the 0
-of an image, so that they compare once divided by the mean level of the scene's uppermost layer.
+of an image; divided by the mean level of the scene's uppermost layer, they can be compared.
 """
 
 import numpy as np
@@ -12,12 +12,12 @@ from scipy.ndimage import gaussian_filter, uniform_filter1d
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
 from snowsim.phy import mean_power_of
 
-EDGE_BINS = 10.0  # about the surface, where depth counts bin by bin
-# Further down: echoes fall about so; below three of the last nothing changes.
+EDGE_BINS = 10.0  # near the surface, within about this depth, inputs change from bin to bin
+# E-folding depths of the other inputs of depth; below three of the last nothing changes.
 FALLS_BINS = (30.0, 100.0, 300.0)
-# Range lines over which the brightness of a layer is averaged: speckle must not tell it.
+# Range lines over which the brightness of a layer is averaged, so that it holds no speckle.
 ALONG = 33
-# Standard deviations of the mean that is the level of snow: it shows no single layer.
+# Standard deviations of the Gaussian mean that gives the level of snow: it shows no single layer.
 LEVEL_BINS, LEVEL_LINES = 10.0, 16.0
 N_CHANNELS = 3 + len(FALLS_BINS)  # of the inputs
 
@@ -45,14 +45,14 @@ def snow_level(image):
 
 
 def known_map(image, layer_bins, of_snow):
-    """What is known of each pixel, float32 (range_bin, range_line, 1 + `N_CHANNELS`).
+    """Map of what is known of each pixel, float32 (range_bin, range_line, 1 + `N_CHANNELS`).
 
-    First the number of layers above. Then the inputs of the networks: the level of a layer in its
-    own pixels, else -1; depth below the uppermost layer in four channels, bounded, so that deeper
-    than what was trained on looks much like the deepest that was; the level of snow, `of_snow`, as
-    `snow_level` gives it. Levels of 0 and of the uppermost layer become -1 and 1. They are those of
-    `image`, observed or as `expected_image` gives it. Where a range line lacks a layer that others
-    have, it is straight between its neighbours. At least one layer must be there.
+    First comes the number of layers above. Then follow the inputs of the networks: the level of a
+    layer in its own pixels, else -1; depth below the uppermost layer in four channels, bounded, so
+    that greater depths than in training look much like the greatest there; and the level of snow,
+    `of_snow`, as `snow_level` gives it. Levels of 0 and of the uppermost layer become -1 and 1.
+    Levels are those of `image`, observed or as `expected_image` gives it. Where a range line lacks
+    a layer that others have, the layer is interpolated linearly. There must be at least one layer.
     """
     n_range_bins = len(image)
     of_layers, scale = _levels(image, layer_bins)
@@ -83,19 +83,19 @@ def inputs_of(known):
 
 
 def is_snow(inputs):
-    """Pixels of the uppermost layer or below, of inputs."""
+    """True for pixels of the uppermost layer and below, from the inputs of the networks."""
     return inputs[:, 1:2] >= 0
 
 
 def _without_gaps(layer_bins):
-    """Layers that are there at all, straight across their gaps."""
+    """Layers that have any pick, interpolated linearly across their gaps."""
     is_there = np.isfinite(layer_bins).any(axis=1)
     by_line = pd.DataFrame(layer_bins[is_there].T.astype(float))
     return by_line.interpolate(limit_direction="both").to_numpy().T
 
 
 def _levels(image, layer_bins):
-    """Levels of layers (layer, range_line), by the mean of the uppermost, and that mean.
+    """Levels of layers (layer, range_line) over the mean level of the uppermost, and that mean.
 
     Along a layer they are means of `ALONG` range lines.
     """

@@ -1,6 +1,6 @@
-"""The recipe `measured`: a generator that gets the levels that PHY's statistics expect.
+"""The recipe `measured`: a generator that is given the levels of layers and of snow.
 
-It makes an image without speckle; grain with the moments of what that image lacks is added.
+It makes an image without speckle, to which grain is added, with the moments of what it lacks.
 """
 
 import numpy as np
@@ -75,14 +75,14 @@ def networks(settings):
 
 
 def learning_rate(settings, step):
-    """Rate of the step after `step` others: constant for half of them, then linearly to zero."""
+    """Learning rate after `step` steps: constant for half of all steps, then linear to zero."""
     half = settings.n_steps // 2
     share_left = (settings.n_steps - step) / (settings.n_steps - half)
     return settings.learning_rate * min(1.0, share_left)
 
 
 def prepared(scene, settings):
-    """What all batches of a scene share: the scene, and the level of its snow."""
+    """The scene and the level of its snow, which all batches of the scene share."""
     check_trainable(scene)
     return scene, snow_level(scene.image)
 
@@ -146,5 +146,5 @@ def render_image(generator, scene, settings, *, rng):
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise) + generator.grain(noise)
     image = image[0, 0].float()
-    # The maximum of an observed image is white: how much is left above the rest is chance.
+    # The maximum of an observed image is white, by its scaling: stretch the image to that.
     return (image + 1) * (2 / (image.max() + 1)) - 1

@@ -1,4 +1,4 @@
-"""What the networks of both recipes are made of: a U-Net, and pix2pix's PatchGAN discriminator."""
+"""Parts of the networks of both recipes: a U-Net, and pix2pix's PatchGAN discriminator."""
 
 from functools import partial
 
@@ -8,7 +8,7 @@ from torch import nn
 from torch.nn import functional
 
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
-MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
+MOST_WEIGHTS = 32  # weights per pixel of a convolution, up to which adding them up pays
 LOSSES = ("discriminator_real", "discriminator_fake", "generator_adversarial", "l1")
 L1_WEIGHT = 100.0  # of the generator's loss, pix2pix
 # Normalisation by the images at hand, in training and in rendering.
@@ -162,7 +162,7 @@ def update(training, rendered, l1, decide_both, decide_rendered):
 
 
 def adversarial_loss(logits, target):
-    """Mean cross-entropy of a map of logits that should all say `target`."""
+    """Mean cross-entropy of a map of logits, all of which should be `target`."""
     logits = logits.float() if logits.dtype == torch.bfloat16 else logits
     return functional.binary_cross_entropy_with_logits(logits, torch.full_like(logits, target))
 

@@ -12,7 +12,7 @@ from snowsim.patches import check_trainable, to_signed
 from snowsim.training import arithmetic
 
 ENLARGED = 286 / 256  # a scene is resized to this much more than the crop that is cut out of it
-N_NOISY_STAGES = 3  # of the decoder that drop out, from the innermost on
+N_NOISY_STAGES = 3  # stages of the decoder with dropout, counted from the innermost
 DROPOUT = 0.5
 
 
@@ -53,7 +53,7 @@ def networks(settings):
 
 
 def learning_rate(settings, step):
-    """Rate of every step."""
+    """Learning rate, the same at every step."""
     return settings.learning_rate
 
 

@@ -18,8 +18,7 @@ N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 
 class Training(Resumable):
     """Both networks, `generator` and `discriminator`, their optimisers and the steps taken, `step`.
 
-    What a step draws depends on the seed and the step alone, so these and `seed` are all there is
-    to resume from.
+    A training resumes from these and `seed`: what a step draws depends on seed and step alone.
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
@@ -99,16 +98,16 @@ def train_steps(training, scenes, *, n_workers=0):
 def render(generator, scene, settings, *, rng):
     """Echogram of the layers of a `Scene`, uint8, (range_bin, range_line), of any size.
 
-    The whole is rendered at once, by `pix2pix` at the size of its crops. It does not depend on
-    which others are rendered, in what order or by how many processes.
+    Renders a whole scene at once; pix2pix renders it resized to its crops of training. The result
+    does not depend on which other scenes are rendered, in what order or by how many processes.
 
     Parameters
     ----------
     generator : torch.nn.Module
         A generator of `trained_generator`.
     scene : Scene
-        Its echoes tell how bright layers and snow are; `pix2pix` needs none. ValueError if its mask
-        holds no layer, or if it lacks them.
+        Its echoes give the levels of layers and snow; `pix2pix` needs none. ValueError if its mask
+        holds no layer, or if it lacks echoes that are needed.
     settings : Settings
         Those it was trained with. FloatingPointError if a pixel is not finite.
     rng : numpy.random.Generator

@@ -18,10 +18,12 @@ from snowsim.statistics.groups import (
 )
 from snowsim.statistics.summaries import FIRST_ROW, known_mean, rows_from
 
-# Averaged lines that fit the shape of a layer; at 100 looks a line, decay rates err by 1.5 %.
+# Averaged lines that the shape of a layer is fitted to. With 100 looks a line, the error of a decay
+# rate is 1.5 %.
 SHAPE_GROUPS = 60
-# A waveform begins `RISE_DEVIATIONS` of its Gaussian above the centre, at 1e-10 of the peak. It
-# ends `FALL_NEPERS` e-foldings of its decay deeper than as many deviations below, at 1e-5.
+# A waveform begins `RISE_DEVIATIONS` standard deviations of its Gaussian above the centre, at 1e-10
+# of the peak. It ends `FALL_NEPERS` e-foldings of its decay further down than as many deviations
+# below the centre, at 1e-5.
 RISE_DEVIATIONS = 7.0
 FALL_NEPERS = 12.0
 SMOOTH_ROWS = 9  # length of the moving mean of power that first weighs the residuals
@@ -30,27 +32,27 @@ BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
 # [bins] Snow between two picks at least this far apart has an echo of its own, halfway.
 ECHO_ROOM = 14.0
 ECHO_VARIANCE = 0.6  # [bins^2] of that echo's Gaussian: about the range response's
-LEAST_DEVIATION = 1e-6  # smallest deviation of relative residuals; lines without speckle need it
+LEAST_DEVIATION = 1e-6  # of relative residuals: lines without speckle have almost none
 # Limits of a shape: log decay rate, log variance, and offset of the peak below the pick [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # of a shape about its start
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # standard deviation of a shape about its start
 FIRST_DECAY = np.log([0.05, 0.5])  # limits of the decay rate at the start, log of [per bin]
 # [bins^2] The fit starts from a waveform as narrow as the range response: from a wide one it may
 # end at a surface that is much too wide, whose peak counts as an unpicked echo.
 FIRST_VARIANCE = 0.7
-MOST_STEPS = 4  # evaluations of a fit between changes of weights
-MOST_ROUNDS = 4  # of weighing residuals
+MOST_STEPS = 4  # evaluations of the residuals in one round
+MOST_ROUNDS = 4  # each round weighs the residuals anew
 # A fit has settled when log decay, log variance and offset [bins] change by less than this: a
 # tenth of the smallest error allowed in them.
 SETTLED = 5e-3
 WAVEFORM_LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
-LEAST_ERRORS = 2.0  # standard errors that a mean power must reach
+LEAST_ERRORS = 2.0  # a mean power is reliable above this many of its standard errors
 
 
 @dataclass
 class Line:
-    """One averaged line, ready to fit."""
+    """One averaged line as the fit takes it."""
 
     rows: np.ndarray  # rows used in the fit, (row,)
     signal: np.ndarray  # power above noise, (row,)
@@ -65,16 +67,15 @@ class Line:
 
     @property
     def kind(self):
-        """Number of the shape of each layer, (layer,): 0 of the surface, 1 of buried layers."""
+        """Number of each layer's shape, (layer,): 0 for the surface, 1 for buried layers."""
         return np.minimum(self.layers, 1)
 
 
 def deblend(groups, decay_rate):
-    """Fit waveform shapes of all layers of a flight, and powers (group, layer), jointly.
+    """Shapes of the waveforms of a flight, as variables of a dataset, and powers (group, layer).
 
-    `groups` are `Groups`. `decay_rate` (group, layer) holds the rates of eq. (2), NaN where there
-    is none; the fit starts from their medians. Returns the shapes, as variables of a dataset, and
-    the powers.
+    Both are fitted to all layers of `Groups` jointly. `decay_rate` (group, layer) holds the rates
+    of eq. (2), NaN where they are unknown; the fit starts from their medians.
 
     The model of a group's mean power is ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d +
     v_l, alpha)``, with the waveform w of eq. (1) of Yari et al. (2021), averaged over the parts of
@@ -117,7 +118,7 @@ def deblend(groups, decay_rate):
 
 
 def _spread_out(present):
-    """Numbers of the groups that shapes are fitted to, sorted.
+    """Numbers of the groups to which shapes are fitted, sorted.
 
     Each layer, deepest first, adds evenly spaced groups until it has `SHAPE_GROUPS`.
     """
@@ -132,9 +133,9 @@ def _spread_out(present):
 
 
 def prepare_line(groups, group):
-    """The group as `Line`, down to half a slab below its last pick.
+    """One group as a `Line`, down to half a slab below its last pick.
 
-    None if no layer is picked, or if the rows are too few for the layers.
+    None if no layer is picked, or if there are too few rows for the layers.
     """
     picked = np.flatnonzero(groups.present[group])
     if picked.size == 0:
@@ -180,7 +181,7 @@ def prepare_line(groups, group):
 
 
 def _fit_shapes(start, lines):
-    """Fit shapes by kind of layer (kind, 3) from a start; warns where they end at a limit."""
+    """Shapes by kind of layer, (kind, 3), fitted from `start`; warns of those at a limit."""
     shape = start
     slopes_of = {}
 
@@ -218,9 +219,9 @@ def _fit_shapes(start, lines):
 
 
 def _weigh(shape, lines):
-    """Set the scale of lines from residuals; returns the residuals' deviation.
+    """Standard deviation of the relative residuals; also sets the scale of each line from them.
 
-    Where power exceeds the model by more than the deviation the scale grows: Cauchy's weights.
+    The scale grows where power exceeds the model by more than the deviation: Cauchy's weights.
     """
     relative = []
     for line in lines:
@@ -235,9 +236,10 @@ def _weigh(shape, lines):
 
 
 def _explained(shape, line):
-    """Powers of a line's columns, and their sum (row,), from a fit without one-sided weights.
+    """Powers of a line's columns, and the model that is their sum, (row,).
 
-    The line's scale becomes the mean power by this fit, or the smoothed power where that is larger.
+    The fit has no one-sided weights. It sets the line's scale to the mean power of the model, or to
+    the smoothed power where that is larger.
     """
     waveforms = waveform_columns(shape, line, with_slopes=False)
     columns = np.concatenate([waveforms[0], line.background])
@@ -297,7 +299,7 @@ def waveform_columns(shape, line, *, with_slopes=True):
     wide = variance[:, None] + line.spread.T[:, :, None]
     reach = RISE_DEVIATIONS * np.sqrt(wide)
     reached = (lag > -reach) & ((lag - reach) * decay[:, None] < FALL_NEPERS)
-    # From here on arrays hold only the samples that a waveform reaches, of all parts and layers.
+    # From here on arrays hold, for all parts and layers, only the samples that a waveform reaches.
     part, layer, _ = np.nonzero(reached)
     lag, wide = lag[reached], wide[part, layer, 0]
     decay, variance, peak = decay[layer], variance[layer], peak[layer]
@@ -321,10 +323,11 @@ def waveform_columns(shape, line, *, with_slopes=True):
 def deblended_waveform(groups, tracked_power, decay):
     """Variables by layer of the joint solution, and powers (group, layer).
 
-    From `Groups`, mean power under the picks (layer,), 0 where there is none, and decay rates of
-    eq. (2) (group, layer). A power below two standard errors, by its scatter between groups, is
-    replaced by tracked power above noise, times the share that deblending leaves of the other
-    layers: always positive, as only that can be rendered; such a layer is `substituted`.
+    `tracked_power` (layer,) is the mean power under the picks, 0 for layers without picks; `decay`
+    (group, layer) holds the decay rates of eq. (2). A layer whose mean power is below two standard
+    errors, by its scatter between groups, is `substituted`: it gets the tracked power above noise,
+    times the median share of it that other layers keep in deblending. Such a power is always
+    positive, so that it can be rendered.
     """
     variables, powers = deblend(groups, decay)
     by_layer = pd.DataFrame(powers)
@@ -346,7 +349,7 @@ def deblended_waveform(groups, tracked_power, decay):
 
 
 def _mean_waveforms(groups):
-    """Mean of averaged lines about each layer's row, (layer, lag), 0 where there is none."""
+    """Mean power of averaged lines about each layer's row, (layer, lag), 0 where unknown."""
     means = []
     for row, present in zip(groups.row.T, groups.present.T, strict=True):
         first = np.rint(row[present]).astype(int) - FIRST_ROW + WAVEFORM_LAGS[0]

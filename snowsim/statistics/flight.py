@@ -1,4 +1,4 @@
-"""Statistics of a flight, by either estimator: from its frames, or from their merged summary."""
+"""Statistics of a flight by either estimator, from its frames or from their merged summary."""
 
 import warnings
 
@@ -29,10 +29,10 @@ from snowsim.statistics.summaries import (
 from snowsim.statistics.thickness import blocks_in_zones, thickness_statistics
 
 ESTIMATORS = ("deblended", "paper")
-# Binary digits of statistics, 1.5e-5, on which processors agree: sums and fits leave at most 1e-11,
-# fading that is longer than a block 1e-7.
+# Binary digits of statistics that are kept, a relative error of 1.5e-5. Processors agree on these:
+# sums and fits differ by at most 1e-11 between them, fading that is longer than a block by 1e-7.
 SHARED_BITS = 16
-LEAST_SHARE = 2.0**-40  # of a variable's largest value; below lies rounding
+LEAST_SHARE = 2.0**-40  # values below this share of a variable's largest are rounding
 MINIMUM_GROUPS = 5  # averaged lines a layer must be in to be reported
 UNITS = {
     "_bins": "range bin",
@@ -107,7 +107,7 @@ def fit(frames, *, estimator="deblended"):
 
 
 def warn_of_little(statistics):
-    """Warn, a line each, of statistics that stand on too little of a flight."""
+    """Warn of each statistic that stands on too little of a flight."""
     attrs = statistics.attrs
     n_placed = attrs["n_blocks"] - attrs["n_blocks_not_placed"]
     stands_on = f"{attrs['n_frames']} frames and {n_placed} blocks with layers"
@@ -192,7 +192,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
 
 
 def noise(summary):
-    """Noise power, the mean over the air of all groups."""
+    """Noise power: the mean over the air of all groups."""
     n_air = summary["air_count"].values
     what = f"noise: averaged lines with air {AIR_MARGIN_BINS} range bins above the surface"
     check_count(what, (n_air > 0).sum())
@@ -200,7 +200,7 @@ def noise(summary):
 
 
 def waveform(summary, groups, estimator):
-    """Variables by layer, and powers and decay rates (group, layer)."""
+    """Variables of the waveform by layer, and powers and decay rates (group, layer)."""
     tracked = summary["tracked_power"].values.astype(float)
     tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
     decay, width = measure_groups(groups)
@@ -240,9 +240,9 @@ def thickness_by_zone(summary, estimator, zone_edge_bins):
 
 
 def _rounded(statistics):
-    """Statistics as they are kept: to digits that processors share, with units.
+    """Statistics with units, rounded to digits on which processors agree.
 
-    What is rounding beside the largest value is zero.
+    Values that are rounding beside their variable's largest become zero.
     """
     for name, variable in statistics.variables.items():
         endings = [ending for ending in UNITS if str(name).endswith(ending)]

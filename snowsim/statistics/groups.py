@@ -29,6 +29,6 @@ class Groups:
 
 
 def powers_of_all_layers(values, known):
-    """Powers by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
+    """Powers by layer; unknown ones are interpolated between neighbours, in the logarithm."""
     logarithm = pd.Series(np.log(np.where(known, values, np.nan)))
     return np.exp(logarithm.interpolate(limit_direction="both").to_numpy())

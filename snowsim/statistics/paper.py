@@ -15,17 +15,18 @@ from snowsim.statistics.summaries import FIRST_ROW, known_mean
 
 # The waveform's peak lies up to 6 bins below its Gaussian for variances of 10-15.
 PEAK_REACH_BINS = 8
-MINIMUM_SERIES = 4  # without gaps; a slab of a zone with fewer takes all zones, then the slab above
-SHORTEST = 16  # [range lines] of stretches without gaps that blocks are cut into
+# A slab with fewer series without gaps in a zone takes those of all zones, then the slab above.
+MINIMUM_SERIES = 4
+SHORTEST = 16  # [range lines] least length of the stretches into which blocks are cut
 
 
 def paper_waveform(tracked_power, decay, width):
-    """Variables by layer of the recipe as printed.
+    """Variables of the waveform by layer, by the recipe as printed.
 
-    From mean power under the picks (layer,), 0 where there is none, and `measure_groups`. The 1/e
-    width stands for a variance, as in the paper. Eq. (2) needs a layer below: the deepest has no
-    decay rate. A layer without values takes those of the one above (or below), and is
-    `substituted`.
+    `tracked_power` (layer,) is the mean power under the picks, 0 for layers without picks; `decay`
+    and `width` are those of `measure_groups`. The 1/e width stands for a variance, as in the paper.
+    Eq. (2) needs a layer below, so the deepest has no decay rate. A layer without values takes
+    those of the layer above, or else below, and is `substituted`.
     """
     picked = tracked_power > 0
     means = pd.DataFrame({"decay": known_mean(decay, axis=0), "width": known_mean(width, axis=0)})
@@ -48,9 +49,9 @@ def paper_waveform(tracked_power, decay, width):
 
 
 def measure_groups(groups):
-    """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
+    """Decay rate [per bin] and 1/e width [bins] of every layer of `Groups`, two (group, layer).
 
-    Every layer in every averaged line of `Groups` has one. Yari et al. (2021), eq. (2): ``alpha =
+    Yari et al. (2021), eq. (2): ``alpha =
     -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value within
     `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next
     layer; NaN where either layer is absent or no minimum lies between. The 1/e crossing is
@@ -117,7 +118,7 @@ def thickness_spectra(thickness, blocks):
 
 
 def _stretches(thickness, enough):
-    """Thickness (block, slab, range_line) in equal stretches, of which `enough` have no gap."""
+    """Thickness (stretch, slab, range_line): blocks cut so that `enough` stretches have no gap."""
     length = thickness.shape[2]
     while True:
         cut = thickness.reshape(*thickness.shape[:2], -1, length).swapaxes(1, 2)

@@ -1,7 +1,4 @@
-"""How the radiometry of a flight varies.
-
-Between blocks, along track, in unpicked snow and below the last pick.
-"""
+"""Variation of a flight's radiometry between blocks and along track, and its unpicked echoes."""
 
 import numpy as np
 import pandas as pd
@@ -18,24 +15,25 @@ from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, known_mean, num
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
 FEWEST_GAINS = 20  # groups needed to estimate gain from line to line
-BACKGROUND_FROM = 8  # [bins] below the surface's pick: closer, its own echo dominates
-BACKGROUND_BEYOND = 40  # [bins] below the median of the deepest picks, to which groups are compared
+BACKGROUND_FROM = 8  # [bins] below the surface's pick; further up its own echo dominates
+# [bins] Unpicked power of groups is compared down to this far below the median of deepest picks.
+BACKGROUND_BEYOND = 40
 # [bins] e-folding depths of the mean background: sums fit most declines.
 LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)
 BELOW_BINS = 8  # [bins] below the last pick in which its own echo dominates
 FEWEST_ROWS = 3  # a peak has a neighbour on either side
-PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
-# What stands for a quantity that a flight is too short to estimate, where not zero: nothing varies,
-# and no image has an echo below the last pick.
+PEAK_DEVIATIONS = 4.0  # an unpicked echo rises by this many standard deviations of speckle
+# Values for quantities that a flight is too short to estimate, if not zero. With them nothing
+# varies, and no image has an echo below the last pick.
 CONSTANT = {"further_spacing_bins": 1000.0, "fading_length_lines": 1.0, "fading_exponent": 1.0}
 
 
 def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
-    """Variables of how radiometry varies, and names of those that the flight is too short for.
+    """Variables of the variation of radiometry, and names of those not estimated.
 
-    From a merged summary, `Groups`, powers (group, layer) above noise and neighbours, decay rates
-    of eq. (2) (group, layer), variables of the waveform by either estimator, and the flight's
-    looks. A quantity that is missing is `CONSTANT`, or zero.
+    They are estimated from a merged summary, `Groups`, powers (group, layer) above noise and
+    neighbours, decay rates of eq. (2) (group, layer), variables of the waveform by either
+    estimator, and the flight's looks. A missing quantity gets its value in `CONSTANT`, or zero.
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256
       lines;
@@ -84,9 +82,10 @@ def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
 
 
 def _block_of_groups(summary):
-    """Number of the block that a group is in, (group,), of all frames.
+    """Number of the block of each group, (group,), counted through all frames.
 
-    NaN for groups beyond the last whole one; a frame shorter than a block counts as one.
+    NaN for groups beyond the last whole block of a frame. A frame shorter than a block counts as
+    one block.
     """
     n_groups = summary["n_groups"].values
     n_blocks = np.maximum(n_groups * GROUP_LINES // BLOCK_LINES, np.minimum(n_groups, 1))
@@ -96,7 +95,7 @@ def _block_of_groups(summary):
 
 
 def _block_means(values, block):
-    """Means over the groups of each block, (block, ...), NaN where fewer than half have one."""
+    """Means over the groups of each block, (block, ...), NaN if fewer than half have a value."""
     by_block = pd.DataFrame(values).groupby(block)
     often = 2 * by_block.count().to_numpy() >= by_block.size().to_numpy()[:, None]
     return by_block.mean().where(often).to_numpy()
@@ -148,8 +147,8 @@ def _decay_spread(decay_rate, block):
 def _further(groups, block, n_looks):
     """Mean spacing [bins] and rise [dB] of echoes in a block's mean profile below its last pick.
 
-    They rise out of speckle over the profile beside them; NaN where there is none. The last pick is
-    the last layer in half of a block's averaged lines.
+    Echoes are peaks that rise out of speckle over the profile beside them; NaN if there are none.
+    The last pick is that of the deepest layer that half of a block's averaged lines have.
     """
     rises_db = []
     total_rows = 0
@@ -178,9 +177,9 @@ def _further(groups, block, n_looks):
 def _unpicked(groups, powers, waveform):
     """Power that no pick explains: mean by group, and coefficients of its law by `LAW_FALLS`.
 
-    From below the surface's own echo on; the mean is over the rows in which all groups are
-    compared, NaN where there is none. ``sum_k b_k exp(-depth / fall_k)``, none negative, by least
-    squares of the mean over groups, weighted by the speckle of all mean power.
+    Both begin below the surface's own echo. The mean is over the rows in which all groups are
+    compared, NaN without any. The law is ``sum_k b_k exp(-depth / fall_k)`` with no b_k negative,
+    by least squares of the mean over groups, weighted by the speckle of the mean of all power.
     """
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     used = groups.present[:, :1] & (rows >= BACKGROUND_FROM)
@@ -203,7 +202,7 @@ def _picked(groups, powers, waveform, rows):
     """Power of the picked layers alone, (group, row)."""
     names = ("variance_bins2", "decay_rate", "offset_bins")
     variance, decay, offset = (waveform[name][1] for name in names)
-    # The deepest layer of `paper` has none.
+    # The estimator `paper` has no decay rate for the deepest layer.
     typical = np.nanmedian(decay) if decay.size > 1 else TYPICAL_DECAY_RATE
     decay = np.where(np.isfinite(decay), decay, typical)
     lead, height = waveform_peak(variance, decay)

@@ -1,12 +1,12 @@
-"""How layers change along track: relief of each by itself, change of slabs, the surface's row.
+"""Change of layers along track: relief of each layer, change of slabs, row of the surface.
 
 Let S_n(h) be the mean square change, over a distance h, of the distance between layers k and
 k + n. Layers that undulate by themselves about slabs that change by themselves have ``S_n(h) =
 2 R(h) + n A(h)``: R is the mean square change of one layer by itself, ``R(h) = 2 s^2 (1 - exp(-(h /
 L)^p))`` of variance s^2 (`relief_variance_bins2`), length L (`relief_length_m`) and exponent p
 (`relief_exponent`), a stable variogram; A is that of one slab, ``A(h) = a (h / 1000 m)^q``
-(`slab_change_bins2`, `slab_exponent`), a power law. Neglected: slabs that change together, and what
-the mean over `MEAN_LINES` takes from the change over as few lines, most where layers are rough.
+(`slab_change_bins2`, `slab_exponent`), a power law. Neglected: slabs that change together, and the
+part of the change over a few lines that the mean over `MEAN_LINES` removes, most in rough layers.
 """
 
 import numpy as np
@@ -16,27 +16,29 @@ from snowsim.constants import KILOMETRE
 from snowsim.statistics.summaries import MINIMUM_BLOCKS, in_blocks, known_mean
 
 CHANGE_LAGS = 2 ** np.arange(8)  # [range lines]
-# [range lines] Layers are averaged, as picks are whole bins and stray: of smooth planted layers in
-# whole bins .7 to 1.1 of their change over 4 to 64 lines comes back, without averaging .6 to .9; of
-# rough ones .4 to .8 over 4 lines, .1 to .5 over one.
+# [range lines] Layers are averaged over these, because picks are whole bins and scatter. For smooth
+# planted layers in whole bins, .7 to 1.1 of their change over 4 to 64 lines is found, without
+# averaging .6 to .9; for rough layers .4 to .8 over 4 lines, and .1 to .5 over one.
 MEAN_LINES = 5
 MOST_APART = 6  # layers
-STILL = 0.1  # root of a change [bins]: picks in whole bins that did not move
-TELLING = (1, 6)  # of layers two apart over 64 lines: a zone without has too few data
+STILL = 0.1  # root of a change [bins], below which picks in whole bins did not move
+TELLING = (1, 6)  # index of the change of layers two apart over 64 lines; a zone needs to know it
 EXPONENTS = np.arange(25, 101) / 50  # of relief
 SLAB_EXPONENTS = np.arange(2, 40) / 20
-ALIKE = 1e-6  # keeps shapes apart that the data hardly tell apart
+ALIKE = 1e-6  # added to the diagonal, so that shapes that are almost alike can be solved for
 TINY = 1e-100
-# Share of the steps that whole-bin levelling makes, above which a product is taken to do so.
+# A product levels in whole bins if its steps exceed this share of those that levelling makes.
 LEVELLED_SHARE = 0.5
-# [range lines] of relief and of the slow error: from half a shortest lag to 8 times the longest.
+# [range lines] Lengths of relief and of the slow error, from half the shortest lag to 8 times the
+# longest.
 LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)
 
 
 def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
-    """Variables (zone,) of relief, and how many zones with too few data take all zones together.
+    """Variables of relief (zone,), and the number of zones that take the relief of all zones.
 
-    From layers (block, layer, range_line) [bins] below the surface, NaN in gaps, of a zone each.
+    Zones with too few data do so. `depth_bins` (block, layer, range_line) holds layers below the
+    surface [bins], NaN in gaps; `zone` (block,) is the zone of each block.
     """
     depth_bins = sliding_window_view(depth_bins, MEAN_LINES, axis=2).mean(axis=-1)
     fits = []
@@ -76,12 +78,12 @@ def mean_square_changes(depth_bins):
 
 
 def fit_relief(change, lag_m):
-    """The five numbers, by name, that fit changes (apart, lag) over distances (lag,).
+    """Five numbers of relief, by name, fitted to changes (apart, lag) over distances (lag,).
 
-    By least squares of relative residuals, as all are equally well known. Variances, not negative,
-    are solved for, exponents and length are those of a grid: so the fit ends in the same digits on
-    any processor, which a search for the smallest residual, flat about its end, does not. Without
-    layers two apart all change is relief; without any, layers are flat.
+    Least squares of relative residuals, because all changes are equally well known. The variances
+    are solved for and not negative; exponents and length are chosen from a grid. So the fit ends in
+    the same digits on every processor; a search would not, because the residual is flat about its
+    minimum. Without layers two apart all change is relief; without changes layers are flat.
     """
     apart, at = np.nonzero(change > 0)
     measured = change[apart, at]
@@ -144,9 +146,10 @@ def surface_statistics(summary):
 def _movement(rows):
     """R.m.s. movement between range lines that was levelled in whole bins, and its length [lines].
 
-    Zeros if none was. Movement changes by less than half a bin per line: it is that of the row
-    (block, range_line) less whole bins, and rounding such a height makes as many steps. Its length
-    is where its autocorrelation falls to 1/e.
+    Both are zero if nothing was levelled. Movement is the change of `rows` (block, range_line) less
+    whole bins, since it changes by less than half a bin per line. A product counts as levelled if
+    its rows have as many steps as rounding such a height makes. The length is where the
+    autocorrelation of movement falls to 1/e.
     """
     step = np.diff(rows, axis=1)
     if step.size == 0:

@@ -1,7 +1,4 @@
-"""Speckle, against Gamma(M), down range in the air and in along-track spectra.
-
-Fading of layers along track.
-"""
+"""Speckle (its law, its correlation down range, its spectra along track) and fading of layers."""
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -13,8 +10,8 @@ from snowsim.seeding import rounded
 from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, known_mean, numbered
 
 DB = 10 / np.log(10)  # decibels in one neper of power
-# Options of least squares, so that fits end where processors agree to 1e-11: complex steps have no
-# error of differences, and a dogbox reaches a bound.
+# Options of least squares with which processors agree to 1e-11: complex steps have no error of
+# differences, and dogbox reaches a bound exactly.
 TO_THE_LAST_DIGITS = {
     "method": "dogbox",
     "jac": "cs",
@@ -22,16 +19,16 @@ TO_THE_LAST_DIGITS = {
     "xtol": 1e-15,
     "gtol": 1e-15,
 }
-MOST_LOOKS = 1e6  # stands for power without speckle
+MOST_LOOKS = 1e6  # looks of power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
-MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they give a correlation to 0.01
+MINIMUM_PAIRS = 10_000  # pairs of bins in the air at every lag: a correlation errs by 0.01
 TAIL = np.array([0.001, 0.002, 0.005])
 QUANTILES = np.concatenate([TAIL, np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
-# Share of power on a pick that must be the layer's own, or noise and tails hide its fading.
+# Least share of the power on a pick that is the layer's own; else noise and tails hide its fading.
 OWN_SHARE = 0.5
-# Lags of the autocovariance of power in dB, which is extrapolated from one line and more to zero.
+# Lags of the autocovariance of power in dB; its value at lag 0 follows from the others.
 FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
 FEWEST_BLOCKS = 4
 
@@ -42,7 +39,7 @@ def decibels(power):
 
 
 def looks(summary):
-    """Variables of speckle, and the looks that fit tracked power.
+    """Variables of speckle, and the number of looks that fits tracked power.
 
     `tracked_power_quantile` and `gamma_quantile (probability)`, see `compare_with_gamma`;
     `speckle_correlation (speckle_lag)`, see `range_correlation`; and along-track spectra of
@@ -74,7 +71,9 @@ def looks(summary):
 
 
 def compare_with_gamma(tracked):
-    """Looks that fit tracked power, its quantiles, and those of the law, at `QUANTILES`.
+    """Number of looks that fits tracked power, its quantiles, and those of Gamma(M).
+
+    Quantiles are at `QUANTILES`.
 
     `tracked (group, layer, line of the group)` is linear, NaN in gaps; only layers picked in every
     line of a group count, and fewer than two are refused. Yari et al. (2021) call tracked peak
@@ -132,11 +131,12 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
 
 
 def fading_products(summary, powers):
-    """Sums of products of dB power along track by lag, and of pairs, of surface and buried layers.
+    """Sums of products of power in dB along track, and numbers of pairs, both by lag.
 
-    From tracked power in whole blocks, about its mean, and powers (group, layer) above noise and
-    neighbours. Noise and tails do not fade with a layer: blocks in which it has less than
-    `OWN_SHARE` of the power on its picks are left out; in the others, products at lags of one and
+    One pair (sums, numbers) is for the surface, one for buried layers. Products are of tracked
+    power in whole blocks, about its mean. `powers` (group, layer) are those above noise and
+    neighbours. Noise and tails do not fade with a layer: a block in which a layer has less than
+    `OWN_SHARE` of the power on its picks is left out; in the others, products at lags of one and
     more are divided by the square of that share.
     """
     tracked = in_blocks(summary, "tracked_power").swapaxes(1, 2)
@@ -154,9 +154,9 @@ def fading_products(summary, powers):
 
 
 def _groups_of_blocks(summary):
-    """Groups within every whole block of all frames, (block, group of the block).
+    """Numbers of the groups of every whole block of all frames, (block, group of the block).
 
-    Those of a frame without surface, which has no group, are of other frames.
+    A frame without a surface has no group; its blocks get groups of other frames.
     """
     n_blocks = summary["n_lines"].values // BLOCK_LINES
     n_groups = summary["n_groups"].values
@@ -167,7 +167,7 @@ def _groups_of_blocks(summary):
 
 
 def _by_lag(series):
-    """Sums of products of values `FADING_LAGS` apart, (series, lag)."""
+    """Sums of products of values that lie `FADING_LAGS` apart, (series, lag)."""
     spectrum = np.fft.rfft(series, 2 * BLOCK_LINES)
     return np.fft.irfft(np.abs(spectrum) ** 2)[:, FADING_LAGS]
 

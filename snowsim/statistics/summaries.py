@@ -1,7 +1,7 @@
-"""What the statistics need of a frame, read once: picks, power under them, averaged lines, air.
+"""Summaries of frames, from which statistics are estimated: picks, their power, means and air.
 
-A frame becomes one dataset of about 0.4 kB per range line; those of a flight are merged in any
-order.
+The summary of a frame is a dataset of about 0.4 kB per range line. Those of a flight are merged in
+any order.
 """
 
 import numpy as np
@@ -13,8 +13,8 @@ from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import check_echogram, check_layers
 from snowsim.limits import check_content, check_count
 
-# Blocks in which a distance is known over a lag, or the mean of a slab. With fewer a variance has a
-# standard error of its own size: a zone is pooled with the others.
+# Least number of blocks that tell a change over a lag, or the mean of a slab. With fewer the
+# standard error of a variance is as large as the variance, and a zone is pooled with the others.
 MINIMUM_BLOCKS = 4
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
@@ -22,16 +22,17 @@ FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
 PARTS = 2
 # Bins above the surface that still hold its rise: 8 standard deviations at a variance of 15.
 AIR_MARGIN_BINS = 30
-# Lags of products down range, from 0; the last give what lines share beyond the range response.
+# Number of lags of products down range, from 0. The last lie beyond the range response and give the
+# part that whole lines share.
 AIR_LAGS = 13
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
-OVERLOADED = 6.0  # robust standard deviations above which the gain of a line is an overload
+OVERLOADED = 6.0  # a line is overloaded if its gain is this many robust deviations off
 CONTENT = "snowsim flight summary 6"
 
 
 def summarise(echogram, layers, where="frame"):
-    """One frame as a summary, a dataset for `merge`.
+    """Summary of one frame, a dataset for `merge`.
 
     Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin
     remainder, a variance of up to 1/12 bins^2, stays in the positions.
@@ -106,7 +107,7 @@ def summarise(echogram, layers, where="frame"):
 
 
 def _averaged(power, rows, surface_row, n_groups):
-    """Variables of averaged lines and of the layers' rows (layer, range_line) in them."""
+    """Variables of averaged lines, and of the rows of layers in them."""
     n_rows = int(np.ceil(np.nanmax(rows, initial=0))) + ROWS_BELOW - FIRST_ROW + 1
     n_lines = n_groups * GROUP_LINES
     lines = rows_from(power[:n_lines], surface_row[:n_lines] + FIRST_ROW, n_rows)
@@ -138,12 +139,12 @@ def rows_from(power, first, n_rows):
 
 
 def _air(power, air_end, n_groups):
-    """Variables of the air, down to the bin `air_end (range_line,)`, of whole groups.
+    """Variables of the air above the bin `air_end (range_line,)`, of whole groups.
 
-    Sum and number of bins, the variance of gain, and by lag, sums of products of bins so many
-    apart, and their numbers. Before products, power is divided by its line's mean, which removes
-    gain and overloaded lines; then its row's mean is subtracted, which removes bands of coherent
-    noise. Both change a product by the same amount at every lag.
+    These are the sum and number of bins, the variance of gain and, for each lag, the sum and number
+    of products of bins that far apart. Before that, power is divided by the mean of its line, which
+    removes gain and overloaded lines, and the mean of its row is subtracted, which removes bands of
+    coherent noise. Both change a product by the same amount at every lag.
     """
     air_end = np.maximum(air_end[: n_groups * GROUP_LINES], 0)
     n_bins = air_end.max(initial=0)
@@ -166,8 +167,9 @@ def _air(power, air_end, n_groups):
 def _gain_variance(air, n_bins):
     """Variance of the gain from line to line of a group [nepers^2], from its air (line, bin).
 
-    It is the covariance of the logarithms of mean power in the upper and the lower half, without
-    lines far from their median; NaN where few lines are left, or one is missing or padding.
+    It is the covariance of the logarithms of mean power in the upper and the lower half of the air.
+    Lines far from the median are left out; NaN if half of the lines are, or if one is missing or
+    padding.
     """
     halves = air[:, : n_bins // 2], air[:, n_bins // 2 : n_bins]
     logarithm = np.log([known_mean(half, axis=1) for half in halves])
@@ -178,7 +180,7 @@ def _gain_variance(air, n_bins):
 
 
 def _products(values):
-    """Sums of products of values (range_line, range_bin) so many bins apart, (air_lag,)."""
+    """Sums of products of values (range_line, range_bin) that lie each lag apart, (air_lag,)."""
     by_lag = []
     for lag in range(AIR_LAGS):
         lower = values[:, lag:]
@@ -187,7 +189,7 @@ def _products(values):
 
 
 def merge(summaries):
-    """Summaries of frames, or merged ones, as one, its frames sorted by time.
+    """One summary of the frames in all summaries, merged ones too, sorted by time.
 
     Layers and rows that a frame lacks are NaN. ValueError if there is no frame, their bin sizes
     differ, or a summary is one of an earlier version.
@@ -226,14 +228,14 @@ def merge(summaries):
 
 
 def numbered(of_frame):
-    """Numbers from 0 of so many things in each frame, of all frames."""
+    """Numbers of things within their frame, from 0; `of_frame` (frame,) counts them."""
     return np.concatenate(list(map(np.arange, of_frame)))
 
 
 def in_stretches(summary, name, n_lines, n_whole):
-    """A variable of range lines in stretches of so many, `n_whole` of each frame.
+    """A variable of range lines, cut into stretches, float64 (stretch, range_line, ...).
 
-    The shape is (stretch, range_line, ...), in float64.
+    Each has `n_lines` range lines; each frame has `n_whole` (frame,) of them.
     """
     of_frame = summary["n_lines"].values
     within = numbered(of_frame) < np.repeat(n_whole * n_lines, of_frame)
@@ -242,12 +244,12 @@ def in_stretches(summary, name, n_lines, n_whole):
 
 
 def in_blocks(summary, name):
-    """A variable of range lines in whole blocks of all frames, (block, range_line, ...)."""
+    """A variable of range lines in the whole blocks of all frames, (block, range_line, ...)."""
     return in_stretches(summary, name, BLOCK_LINES, summary["n_lines"].values // BLOCK_LINES)
 
 
 def known_mean(values, axis=None):
-    """Mean of the known values, NaN where there is none."""
+    """Mean of the values that are finite, NaN if none is."""
     known = np.isfinite(values)
     n = known.sum(axis=axis)
     total = np.where(known, values, 0).sum(axis=axis)

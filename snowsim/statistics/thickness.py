@@ -14,7 +14,7 @@ from snowsim.limits import check_count
 from snowsim.statistics.summaries import MINIMUM_BLOCKS, in_blocks, known_mean
 
 N_ZONES = 4
-N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
+N_QUANTILES = 33  # of the block means of slab 0; they include the edges of 1, 2, 4 or 8 zones
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 
@@ -30,7 +30,7 @@ class Blocks:
     zone: np.ndarray  # (block,)
     zone_edge_bins: np.ndarray  # (edge,)
     typical: np.ndarray  # thickness of slab 0, (zone,)
-    counts: dict  # of all blocks, of those without a zone and of those without layers
+    counts: dict  # numbers of all blocks, of those without a zone and of those without layers
 
 
 def blocks_in_zones(summary, zone_edge_bins=None):
@@ -124,7 +124,7 @@ def moments_by_zone(blocks):
     n = thickness.groupby(blocks.zone).count().reindex(zones, fill_value=0)
     own = n >= MINIMUM_BLOCKS
     known = own | (n.sum() >= MINIMUM_BLOCKS)
-    # It defines a zone: the placed blocks give it even where its own picks are few.
+    # Slab 0 defines the zones: placed blocks give its mean even if it is rarely picked.
     known[0] = True
     mean, variance = share.mean(), share.var().fillna(0)
     absolute = np.outer(blocks.typical**2, variance)

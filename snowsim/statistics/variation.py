@@ -8,7 +8,7 @@ from snowsim.echogram import check_choice
 from snowsim.limits import check_statistics
 from snowsim.seeding import generator
 
-# By which power of the factor of thickness, and of pulse length, a statistic grows.
+# A statistic grows with this power of the factor of thickness, or (below) of pulse length.
 OF_THICKNESS = {
     "zone_edge_bins": 1,
     "first_thickness_quantile_bins": 1,
@@ -19,7 +19,7 @@ OF_THICKNESS = {
     "thickness_psd": 2,
     "further_spacing_bins": 1,
 }
-# Each estimator has one or two of these alone.
+# Statistics that only one of the two estimators gives.
 OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd")
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
@@ -32,7 +32,7 @@ LOG_UNIFORM = ("thickness", "pulse_length", "n_looks", "tail_length", "line_spac
 
 @dataclass(frozen=True)
 class Ranges:
-    """Within which `varied` draws, (least, most).
+    """Ranges (least, most) within which `varied` draws.
 
     Attributes
     ----------
@@ -80,10 +80,10 @@ class Ranges:
 
 @dataclass(frozen=True)
 class Variation:
-    """One draw of `Ranges`: how a climate and radar differ from the flight's.
+    """One draw from `Ranges`: the changes of climate and radar from those of the flight.
 
-    What no statistic holds is for those who draw scenes: crusts, bands, and distances of range
-    lines and bins.
+    Crusts, bands, and distances of range lines and bins are in no statistic; whoever draws scenes
+    applies them.
     """
 
     thickness: float = 1.0
@@ -103,7 +103,7 @@ class Variation:
 
     @classmethod
     def draw(cls, ranges, *, rng):
-        """One draw, its values independent."""
+        """One draw of independent values."""
         drawn = {}
         for name, bounds in asdict(ranges).items():
             if name == "correlated_share":
@@ -183,10 +183,10 @@ def changed(statistics, variation):
         correlation = statistics["speckle_correlation"].values
         lag = np.arange(correlation.size)
         of_bins = np.interp(lag * variation.bin_size, lag, correlation)
-        # Where it is not correlated, of none but the bin itself.
+        # Without correlation a bin is correlated with itself alone.
         other["speckle_correlation"].data = of_bins if variation.correlated else 1.0 * (lag == 0)
     for name, value in asdict(variation).items():
-        # A file holds no truth values.
+        # Files hold no booleans.
         told = int(value) if isinstance(value, bool) else value
         other.attrs[f"varied_{name}"] = "flight" if value is None else told
     if variation.n_looks is not None:
