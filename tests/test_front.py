@@ -104,7 +104,7 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
         ),
         (
             lambda: snowsim.Snowpack.from_profile([0.5, 1, 3, 2, 4], [300, 310, 320, 330, 340]),
-            "depth_m must increase: steps must be finite, at least 0, got -1",
+            "depth_m must increase: its steps must be finite, above 0, got -1",
         ),
         (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
         (
