@@ -275,8 +275,9 @@ def echo_scores(table):
     click.echo(images.to_string(index=False, na_rep="-", float_format="%.4g", max_rows=40))
     click.echo(f"\nall {len(images)} images")
     for name in table.columns[1:]:
+        value = "-" if isnan(found[name]) else f"{found[name]:.4g}"
         interval = "" if isnan(low[name]) else f" [{low[name]:.4g}, {high[name]:.4g}]"
-        click.echo(f"  {name:<26} {found[name]:.4g}{interval}")
+        click.echo(f"  {name:<26} {value}{interval}")
 
 
 @commands.command(short_help="A tracker of layers, trained on scenes.", context_settings=SHOWN)

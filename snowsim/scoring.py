@@ -29,6 +29,9 @@ from snowsim.tracker import pick_layers
 
 ABOVE_0 = ("max_distance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
+# Fewest distinct values above 0 that give a map's AP. Maps that use all of [0, 1] have the AP of
+# floats within 0.01 if rounded to 16 even steps, within 0.03 to 4 steps; to 1 it is off by 0.56.
+LEAST_LEVELS = 16
 # Largest difference between the times of a range line in two files.
 SAME_TIME = np.timedelta64(1, "ms")
 PICK_SCORES = [
@@ -94,9 +97,10 @@ def score_folders(
         A row for each `image`, then `all` of them, and the `low` and `high` end of its 95 %
         interval: `ods`, `ois`, `ap`, `threshold` of the best F; `mean_absolute_error_bins`,
         `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
-        `n_missed_layers`, `n_false_layers`. ``table.attrs["notes"]`` lists in sentences what to
-        know of the set: which predictions or truths are missing, which truth has no layer or was
-        thinned, why AP is 0.
+        `n_missed_layers`, `n_false_layers`. `ap` is NaN for maps with fewer than 16 distinct values
+        above 0. ``table.attrs["notes"]`` lists notes in sentences: which predictions or truths are
+        missing, which truth has no layer or was thinned, why AP is 0 or not given, whether 8-bit
+        and float maps are mixed.
 
     Raises
     ------
@@ -159,7 +163,7 @@ def score_folders(
     table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(pairs, left_out, without_layers)
     if not picks:
-        notes += _notes_of_maps(counts, names, table.iloc[-3])
+        notes += _notes_of_maps(counts, pairs) + _leave_out_ap(table, counts)
     table.attrs["notes"] = notes
     return table
 
@@ -193,19 +197,42 @@ def _note(words, names, n_all):
     return f"{words} ({len(names)} of {n_all}): {listed(names)}"
 
 
-def _notes_of_maps(counts, names, found):
-    """What to know of edge maps and masks beside the scores found, in sentences."""
+def _notes_of_maps(counts, pairs):
+    """Notes about thick truth and about types of the files of maps, in sentences."""
     notes = []
+    names = [name for name, _, _ in pairs]
     thick = [name for name, image in zip(names, counts, strict=True) if image["thickness"] > 1]
     if thick:
         most = max(image["thickness"] for image in counts)
         words = f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick"
         notes.append(_note(words, thick, len(names)))
-    if found["ap"] == 0 < found["ods"]:
+    is_8_bit = [path.suffix == ".png" for _, path, _ in pairs if path is not None]
+    if 0 < sum(is_8_bit) < len(is_8_bit):
         notes.append(
-            "ap is 0 because recall is the same at every threshold: maps of one level give a "
-            "curve of one point, without an area"
+            f"{sum(is_8_bit)} of {len(is_8_bit)} maps are 8-bit images, the others floats: their "
+            "ap does not compare, for 8 bits alone can move it by 0.07"
         )
+    return notes
+
+
+def _leave_out_ap(table, counts):
+    """Notes about AP; in place, `ap` becomes NaN where maps have too few levels for it.
+
+    An empty map has no level, and an AP of 0. The last three rows of the table, of all images,
+    count the levels of all maps together.
+    """
+    levels = [image["levels"] for image in counts]
+    levels += [np.unique(np.concatenate(levels))] * 3
+    is_few = np.array([0 < values.size < LEAST_LEVELS for values in levels])
+    table.loc[is_few, "ap"] = np.nan
+    notes = []
+    if is_few.any():
+        words = f"no ap of maps with fewer than {LEAST_LEVELS} distinct values above 0"
+        names = table["image"].iloc[:-3]
+        notes.append(_note(words, names[is_few[:-3]], len(names)))
+    found = table.iloc[-3]
+    if found["ap"] == 0 < found["ods"]:
+        notes.append("ap is 0 because recall is the same at every threshold: a curve of one point")
     return notes
 
 
@@ -267,12 +294,13 @@ def _found(pair, *, edges):
 
 
 def _count(pair, *, edges, thresholds, max_dist):
-    """Counts of one image, with the thickness of its mask as drawn."""
+    """Counts of one image, with the thickness of its mask and the lowest levels of its map."""
     _, prediction, truth = pair
     image = _read_image(prediction, truth)
     found = edges(image.probability, prediction)
     counts = match_counts(found, image.mask, thresholds, max_dist=max_dist)
-    return counts | {"thickness": image.thickness}
+    levels = np.unique(image.probability[image.probability > 0])[:LEAST_LEVELS]
+    return counts | {"thickness": image.thickness, "levels": levels}
 
 
 def _pick(pair, *, threshold, bin_s, **limits):

@@ -28,9 +28,13 @@ MASK = layer_mask(LAYERS, N_BINS)
 
 
 def edge_map(offset_bins=0.0, layers=LAYERS):
-    """Ridges about layers moved down by some bins, in [0, 1], which 8 bits hold exactly."""
+    """Ridges about layers moved down by some bins, in [0, 1], which 8 bits hold exactly.
+
+    They fade along the track, so that there are many levels.
+    """
     away = np.arange(N_BINS)[:, None, None] - layers - offset_bins
-    return np.rint(250 * np.exp(-((away / 2) ** 2)).max(axis=1)) / 255
+    fading = np.linspace(250, 200, layers.shape[1])
+    return np.rint(fading * np.exp(-((away / 2) ** 2)).max(axis=1)) / 255
 
 
 def write_map(path, probability):
@@ -192,8 +196,52 @@ def test_truth_without_a_layer_and_predictions_without_a_truth_are_named(ten):
     assert row[["ods", "n_layers", "n_missed_layers", "n_false_layers"]].tolist() == [0, 0, 0, 1]
 
 
-def test_a_perfect_map_of_one_level_is_told_why_its_ap_is_0(tmp_path):
-    scores, (note,) = of_files(tmp_path, MASK.astype(float), MASK, suppressed=True)
+@pytest.mark.parametrize(
+    ("n_levels", "gives_ap"), [(1, False), (4, False), (15, False), (16, True)]
+)
+def test_maps_with_fewer_than_16_levels_have_no_ap_and_a_note_says_why(
+    tmp_path, n_levels, gives_ap
+):
+    noise = np.random.default_rng(1).uniform(0, 0.7, MASK.shape)
+    made = np.maximum(edge_map(1), noise)
+    floats, _ = of_files(tmp_path, made, MASK)
+    made = np.rint(made / made.max() * n_levels) / n_levels
+    scores, notes = of_files(tmp_path, made, MASK)
+    assert scores[0] > 0.5
+    if gives_ap:
+        assert_allclose(scores[1], floats[1], atol=0.02)
+        assert notes == []
+    else:
+        assert np.isnan(scores[1])
+        assert notes == ["no ap of maps with fewer than 16 distinct values above 0 (1 of 1): made"]
+
+
+def test_a_set_has_an_ap_if_only_one_map_of_it_has_few_levels(ten):
+    np.save(ten[0] / "3.npy", np.rint(edge_map(1)))
+    table = score_folders(*ten, n_bootstrap=1).set_index("image")
+    assert table.index[table["ap"].isna()].tolist() == ["3"]
+    # An empty map finds nothing: its ap is known.
+    np.save(ten[0] / "3.npy", np.zeros(MASK.shape))
+    assert score_folders(*ten, n_bootstrap=1)["ap"][3] == 0
+
+
+def test_a_set_of_masks_shows_no_ap(ten, capsys):
+    for path in ten[0].iterdir():
+        np.save(path, MASK.astype(float))
+    main([*map(str, ["score", *ten]), "--bootstrap", "2"])
+    assert "  ap                         -\n" in capsys.readouterr().out
+
+
+def test_8_bit_maps_among_maps_of_floats_are_noted(ten):
+    (ten[0] / "3.npy").unlink()
+    write_map(ten[0] / "3.png", edge_map(1))
+    (note,) = score_folders(*ten, n_bootstrap=1).attrs["notes"]
+    assert note.startswith("1 of 10 maps are 8-bit images, the others floats")
+
+
+def test_an_ap_of_0_beside_a_good_f_is_explained(tmp_path):
+    made = np.where(MASK, 0.995 + 1e-5 * np.arange(64), 0)  # above every published threshold
+    scores, (note,) = of_files(tmp_path, made, MASK, suppressed=True, thresholds="published")
     assert scores == [1, 0]
     assert note.startswith("ap is 0 because recall is the same at every threshold")
 
@@ -210,14 +258,14 @@ def test_truth_drawn_three_pixels_thick_scores_as_one_and_is_said_to_be_thinned(
     )
 
 
-def test_a_tenth_of_a_map_scores_as_the_map_without_a_word(tmp_path):
+def test_a_map_a_thousand_times_fainter_scores_as_the_map_without_a_word(tmp_path):
     noise = np.random.default_rng(1).uniform(0, 0.3, MASK.shape)
     whole = np.maximum(edge_map(1), noise)
     full, notes = of_files(tmp_path, whole, MASK)
-    faint, of_faint = of_files(tmp_path, whole / 10, MASK)
+    faint, of_faint = of_files(tmp_path, whole / 1024, MASK)
     assert notes == of_faint == []
-    # Values at the edge of suppression may round to the other side.
-    assert_allclose(faint, full, atol=1e-4)
+    # A power of two rounds nothing.
+    assert faint == full
 
 
 def test_batches_of_one_score_as_the_map(tmp_path):
