@@ -10,7 +10,7 @@ import pandas as pd
 
 from snowsim.echogram import check_choice, layer_mask
 from snowsim.io.files import listed, refusal
-from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
+from snowsim.io.predictions import pair_files, read_labels, read_map, read_picks
 from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import (
     CURVATURE,
@@ -321,10 +321,10 @@ def _pick(pair, *, threshold, bin_s, **limits):
 def _picks_and_truth(prediction, truth, bin_s):
     """Layers of both files, (layer, range_line); without a prediction, none of its own."""
     true = read_picks(truth, bin_s)
-    n_lines = true.layer_bins.shape[1]
-    made = Picks(np.empty((0, n_lines)), true.slow_time)
-    if prediction is not None:
-        made = read_picks(prediction, bin_s)
+    if prediction is None:
+        peak_bins = true.interface_bins if true.peak_bins is None else true.peak_bins
+        return peak_bins[:0], peak_bins
+    made = read_picks(prediction, bin_s)
     expected = f"{_lines(true)} as {truth} has"
     if _lines(made) != _lines(true):
         raise refusal(prediction, "size", expected, _lines(made))
@@ -332,12 +332,19 @@ def _picks_and_truth(prediction, truth, bin_s):
         away = np.abs(made.slow_time - true.slow_time).max()
         if away > SAME_TIME:
             raise refusal(prediction, "slow_time", expected, f"one {away} away")
-    return made.layer_bins, true.layer_bins
+    if made.peak_bins is not None and true.peak_bins is not None:
+        return made.peak_bins, true.peak_bins
+    if made.interface_bins is not None and true.interface_bins is not None:
+        return made.interface_bins, true.interface_bins
+    places = {True: "interfaces alone", False: "peaks of echoes, which lie below them"}
+    expected = f"{places[true.peak_bins is None]}, as {truth} has, or both"
+    raise refusal(prediction, "twtt", expected, places[made.peak_bins is None])
 
 
 def _lines(picks):
     """Range lines of layers, as a message tells them."""
-    n_lines = picks.layer_bins.shape[1]
+    peak_bins = picks.interface_bins if picks.peak_bins is None else picks.peak_bins
+    n_lines = peak_bins.shape[1]
     return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
 
 

@@ -13,12 +13,14 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from PIL import Image
 from refusals import refusal
+from scipy.io import loadmat, savemat
 from scipy.ndimage import binary_dilation
 
-from snowsim import score_folders
+from snowsim import Climate, score_folders, simulate
 from snowsim.cli import main
 from snowsim.echogram import layer_mask
 from snowsim.io import layer_numbers, write_image, write_layer_files
+from snowsim.io.layers import write_cresis
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress, thresholds_of
 
 WAVE = np.round(6 * np.sin(np.arange(64) / 12))
@@ -364,6 +366,41 @@ def test_layer_files_are_scored_in_the_echogram_s_range_bins(layer_files):
     np.save(layer_files / "rows.npy", LAYERS)
     with refusal("expected 64 range lines of an image .* found 64 .* with times"):
         score_folders(files[0], layer_files / "rows.npy", picks=True, bin_s=BIN_S)
+
+
+def test_interfaces_are_compared_with_interfaces_and_peaks_with_peaks_or_not_at_all(tmp_path):
+    _, layers = simulate(Climate(accumulation_m=0.4), "snow-2012", n_range_lines=32, rng=1)
+    write_cresis(tmp_path / "Data_20120330_04_001.mat", layers)
+    forms = {
+        "picked": layers.assign(twtt=layers["peak_twtt"]),
+        "interfaces": layers,
+        # The same without a word: as people pick, where echoes are largest.
+        "unsaid": layers.assign(twtt=layers["peak_twtt"].assign_attrs(place=None)),
+    }
+    for name, held in forms.items():
+        held["twtt"].attrs = {k: v for k, v in held["twtt"].attrs.items() if v is not None}
+        held.drop_vars("peak_twtt").to_netcdf(tmp_path / f"{name}.nc")
+    layers.to_netcdf(tmp_path / "both.nc")
+
+    def bias_bins(made, true):
+        pair = tmp_path / made, tmp_path / true
+        table = score_folders(*pair, picks=True, bin_s=2.886e-10, n_bootstrap=1)
+        return table["bias_bins"][0]
+
+    truth = "Data_20120330_04_001.mat"
+    pairs = [("picked.nc", truth), ("unsaid.nc", truth), ("interfaces.nc", truth)]
+    for pair in [*pairs, ("picked.nc", "both.nc"), ("picked.nc", "unsaid.nc")]:
+        assert_allclose(bias_bins(*pair), 0, atol=1e-6)
+    with refusal("interfaces.nc: twtt: expected peaks of echoes, .* found interfaces alone"):
+        bias_bins("interfaces.nc", "picked.nc")
+    with refusal("picked.nc: twtt: expected interfaces alone, as .*interfaces.nc has, or both"):
+        bias_bins("picked.nc", "interfaces.nc")
+    # Files of snowsim 0.5.0 hold interfaces; only their organizer says so.
+    content = loadmat(tmp_path / truth)
+    kept = {name: content[name] for name in content if name[0] not in "_p"}
+    savemat(tmp_path / truth, kept)
+    with refusal("picked.nc: twtt: expected interfaces alone"):
+        bias_bins("picked.nc", truth)
 
 
 @pytest.mark.parametrize(("name", "value"), [("tolerance", "a"), ("processes", True)])

@@ -62,7 +62,9 @@ def read_layers(path, *, names=None, missing="refuse"):
     -------
     xarray.Dataset
         `twtt` [s], `quality`, `type` on (layer, slow_time), from the snow surface down; `layer`
-        holds the names.
+        holds the names. The attribute `place` of `twtt` is "interface" or "peak" (of the echo)
+        where the file says it, as files of snowsim do. `peak_twtt` is the peak of the echo of a
+        simulated interface.
 
     Raises
     ------
@@ -168,7 +170,7 @@ def read_cresis_layers(stored):
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
     comes twice), without one they are "id 1", "id 2", ...
     """
-    values = stored.read(("id", *PICKS, *RENAMED))
+    values = stored.read(("id", *PICKS, *RENAMED, "peak_twtt", "place"))
     values = {RENAMED.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         expected = "at least one layer with picks"
@@ -181,7 +183,18 @@ def read_cresis_layers(stored):
     picks = {name: of if of.ndim == 2 else of.reshape(shape) for name, of in picks.items()}
     named = _organized(stored.path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
-    return _layers_dataset(values, picks, names, "CReSIS layer")
+    dataset = _layers_dataset(values, picks, names, "CReSIS layer")
+    if "peak_twtt" in values:
+        dataset["peak_twtt"] = (
+            AXES,
+            np.reshape(values["peak_twtt"], shape),
+            {"units": "s", "place": "peak"},
+        )
+    if "place" in values:
+        dataset["twtt"].attrs["place"] = values["place"]
+    elif _is_simulated(stored.path):
+        dataset["twtt"].attrs["place"] = "interface"
+    return dataset
 
 
 def read_cresis_layer_data(stored):
@@ -330,6 +343,13 @@ def _organized(path):
     return dict(zip(ids, zip(*texts, strict=True), strict=True))
 
 
+def _is_simulated(path):
+    """Whether the organizer of a layer file says that `snowsim simulate` made the layers."""
+    organizer = find_organizer(path)
+    values = {} if organizer is None else read_values(organizer, ("lyr_desc",))
+    return SIMULATED in map(_text, np.ravel(values.get("lyr_desc", ())))
+
+
 def _text(value):
     """Text of a file, empty where it has none there."""
     return value if isinstance(value, str) else ""
@@ -363,6 +383,9 @@ def _layers_dataset(values, picks, names, source):
 VERSION = "1"
 GROUP_OF_SURFACE = "standard"
 GROUP = "snowsim"
+# Descriptions of layers in the organizer.
+TRACKED_LAYER = "snow layer, tracked"
+SIMULATED = "snow layer, simulated"
 
 
 def write_layer_files(folder, segment, frames, *, force=False):
@@ -399,7 +422,7 @@ def write_layer_files(folder, segment, frames, *, force=False):
     """
     of_paths = {_frame_path(folder, segment, number): frames[number] for number in frames}
     refuse_other_frames(folder, segment, frames)  # before the folder of the segment is made
-    contents = _contents(segment, of_paths, "tracked")
+    contents = _contents(segment, of_paths, TRACKED_LAYER)
     with locked(_parent(folder, segment)):
         # Once more under the lock: another process may have written since.
         refuse_other_frames(folder, segment, frames)
@@ -426,7 +449,7 @@ def write_cresis(path, dataset):
     if there not in ([], names):
         expected = f"surface to {names[-1]}"
         raise refusal(find_organizer(path), "lyr_name", expected, ", ".join(there))
-    for file, content in _contents(segment, {path: dataset}, "simulated").items():
+    for file, content in _contents(segment, {path: dataset}, SIMULATED).items():
         write_matlab(file, "layers", content)
 
 
@@ -494,7 +517,7 @@ def _contents(segment, frames, origin):
         "file_version": VERSION,
         "lyr_age": np.full(n_layers, np.nan),
         "lyr_age_source": _cell([np.empty((0, 0), dtype=object)] * n_layers),
-        "lyr_desc": _cell(["snow surface"] + [f"snow layer, {origin}"] * (n_layers - 1)),
+        "lyr_desc": _cell(["snow surface"] + [origin] * (n_layers - 1)),
         "lyr_group_name": _cell([GROUP_OF_SURFACE] + [GROUP] * (n_layers - 1)),
         "lyr_id": 1.0 + np.arange(n_layers),
         "lyr_name": _cell(_layer_names(n_layers)),
@@ -518,6 +541,11 @@ def _frame_content(segment, layers, n_layers):
         "twtt": twtt,
         "param": parameters(segment, layers.attrs),
     }
+    if "peak_twtt" in layers:
+        content["peak_twtt"] = np.full(shape, np.nan)
+        content["peak_twtt"][numbers] = layers["peak_twtt"].transpose("layer", "slow_time").values
+    if "place" in layers["twtt"].attrs:
+        content["place"] = layers["twtt"].attrs["place"]
     for theirs, ours in RENAMED.items():
         if ours in POSITION:
             content[theirs] = layers[ours].values.astype(float)

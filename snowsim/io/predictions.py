@@ -110,9 +110,14 @@ def read_map(path):
 
 @dataclass(frozen=True)
 class Picks:
-    """Layers (layer, range_line) in range bins: rows of an image, or, with times, from 0 s on."""
+    """Layers (layer, range_line) in range bins: rows of an image, or, with times, from 0 s on.
 
-    layer_bins: np.ndarray
+    The peak of an echo lies below the interface that it comes from, so a layer has up to two
+    places. Layers of which nothing says which place they mark count as peaks, which people pick.
+    """
+
+    peak_bins: np.ndarray | None
+    interface_bins: np.ndarray | None = None
     slow_time: np.ndarray | None = None
 
 
@@ -129,8 +134,16 @@ def read_picks(path, bin_s=None):
         return Picks(layers["row"].values)
     if bin_s is None:
         raise refusal(path, "twtt", "bin_s (--bin-s), the echogram's range bin in seconds", "none")
-    twtt = layers.get("peak_twtt", layers["twtt"])  # a simulated layer's echo peaks below it
-    return Picks(twtt.values / bin_s, layers["slow_time"].values)
+    bins = layers["twtt"].values / bin_s
+    slow_time = layers["slow_time"].values
+    if "peak_twtt" in layers:
+        return Picks(layers["peak_twtt"].values / bin_s, bins, slow_time)
+    place = layers["twtt"].attrs.get("place", "peak")
+    if place not in ("peak", "interface"):
+        raise refusal(path, "twtt", "attribute place of peak or interface", place)
+    if place == "interface":
+        return Picks(None, bins, slow_time)
+    return Picks(bins, None, slow_time)
 
 
 def read_labels(path, shape=None, map_path=None):

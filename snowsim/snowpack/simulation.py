@@ -169,8 +169,8 @@ def _layers(echogram, twtt_s, peak_s, power_db, buried):
     """
     on = ("layer", "slow_time")
     variables = {
-        "twtt": (on, twtt_s, {"units": "s"}),
-        "peak_twtt": (on, peak_s, {"units": "s"}),
+        "twtt": (on, twtt_s, {"units": "s", "place": "interface"}),
+        "peak_twtt": (on, peak_s, {"units": "s", "place": "peak"}),
         "power_db": (on, power_db, RELATIVE_POWER | {"units": "dB"}),
     }
     for name, value_m in buried.items():

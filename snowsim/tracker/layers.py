@@ -113,6 +113,7 @@ def _dataset(canonical, numbers, rows, sure):
     flags = {"quality": np.where(picked, quality, GOOD), "type": np.full(twtt.shape, AUTOMATIC)}
     seconds = {"twtt": twtt, "twtt_low": twtt - half, "twtt_high": twtt + half}
     variables = {name: (ALONG, values, {"units": "s"}) for name, values in seconds.items()}
+    variables["twtt"][-1]["place"] = "peak"  # of an echo, as `snowsim.io.read_layers` has it
     variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
     variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})

@@ -48,7 +48,9 @@ def test_a_simulated_l1b_file_holds_every_value_under_its_name_and_is_read_back(
     assert_array_equal(read["Data"].values, echogram["Data"].values)
     assert_array_equal(read["twtt"], echogram["twtt"])
     found = read_layers(path_to_layers)
-    assert_array_equal(found["twtt"], layers["twtt"])
+    for name, place in (("twtt", "interface"), ("peak_twtt", "peak")):
+        assert_array_equal(found[name], layers[name])
+        assert found[name].attrs["place"] == layers[name].attrs["place"] == place
     assert_array_equal(found["slow_time"], read["slow_time"])
     assert found["layer"].values.tolist() == ["surface", *(f"snow_{i}" for i in range(1, 21))]
 
