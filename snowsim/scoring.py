@@ -10,12 +10,13 @@ import pandas as pd
 
 from snowsim.echogram import check_choice, layer_mask
 from snowsim.io.files import listed, refusal
-from snowsim.io.predictions import pair_files, read_labels, read_map, read_picks
+from snowsim.io.predictions import pair_files, read_labels, read_map, read_picks, refuse_image
 from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import (
     CURVATURE,
     METRICS,
     THRESHOLDS,
+    f_measure,
     match_counts,
     of_images,
     score,
@@ -100,13 +101,14 @@ def score_folders(
         `n_missed_layers`, `n_false_layers`. `ap` is NaN for maps with fewer than 16 distinct values
         above 0. ``table.attrs["notes"]`` lists notes in sentences: which predictions or truths are
         missing, which truth has no layer or was thinned, why AP is 0 or not given, whether 8-bit
-        and float maps are mixed.
+        and float maps are mixed, whether the best F is below that of a map with all pixels on.
 
     Raises
     ------
     ValueError
         In one line: no pairs, sizes or times that differ, no layer in any truth, maps that leave
-        [0, 1], dark layers on bright ground, files that cannot be read.
+        [0, 1], dark layers on bright ground, a map that is the image beside its truth, files that
+        cannot be read.
 
     Examples
     --------
@@ -163,7 +165,7 @@ def score_folders(
     table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(pairs, left_out, without_layers)
     if not picks:
-        notes += _notes_of_maps(counts, pairs) + _leave_out_ap(table, counts)
+        notes += _notes_of_maps(counts, pairs, table.iloc[-3]["ods"]) + _leave_out_ap(table, counts)
     table.attrs["notes"] = notes
     return table
 
@@ -197,9 +199,17 @@ def _note(words, names, n_all):
     return f"{words} ({len(names)} of {n_all}): {listed(names)}"
 
 
-def _notes_of_maps(counts, pairs):
-    """Notes about thick truth and about types of the files of maps, in sentences."""
+def _notes_of_maps(counts, pairs, ods):
+    """Notes about low scores, thick truth and types of the files of maps, in sentences."""
     notes = []
+    # Every pixel of a constant map is on, and every true pixel finds itself: recall is 1.
+    n_truth = sum(int(image["n_truth"][0]) for image in counts)
+    constant = f_measure(n_truth / sum(image["n_pixels"] for image in counts), 1)
+    if ods < constant:
+        notes.append(
+            f"the best F of the set, {ods:.3g}, is below that of a map with all pixels on, "
+            f"{constant:.3g}: are these maps of layers, and of these images?"
+        )
     names = [name for name, _, _ in pairs]
     thick = [name for name, image in zip(names, counts, strict=True) if image["thickness"] > 1]
     if thick:
@@ -297,10 +307,13 @@ def _count(pair, *, edges, thresholds, max_dist):
     """Counts of one image, with the thickness of its mask and the lowest levels of its map."""
     _, prediction, truth = pair
     image = _read_image(prediction, truth)
+    if prediction is not None:
+        refuse_image(image.probability, prediction, truth)
     found = edges(image.probability, prediction)
     counts = match_counts(found, image.mask, thresholds, max_dist=max_dist)
     levels = np.unique(image.probability[image.probability > 0])[:LEAST_LEVELS]
-    return counts | {"thickness": image.thickness, "levels": levels}
+    others = {"thickness": image.thickness, "levels": levels, "n_pixels": image.mask.size}
+    return counts | others
 
 
 def _pick(pair, *, threshold, bin_s, **limits):

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 from refusals import refusal
 from scipy.io import loadmat, savemat
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, gaussian_filter
 
 from snowsim import Climate, score_folders, simulate
 from snowsim.cli import main
@@ -401,6 +401,39 @@ def test_interfaces_are_compared_with_interfaces_and_peaks_with_peaks_or_not_at_
     savemat(tmp_path / truth, kept)
     with refusal("picked.nc: twtt: expected interfaces alone"):
         bias_bins("picked.nc", truth)
+
+
+@pytest.mark.parametrize("scaled", [False, True])
+def test_the_image_beside_the_truth_is_no_prediction(tmp_path, folders, scaled):
+    _, true = folders
+    image = np.random.default_rng(1).gamma(5, size=MASK.shape) + 10 * edge_map()
+    image /= image.max()
+    for path in true.glob("data_*.png"):
+        write_map(path, image)
+    made = true
+    if scaled:
+        made = tmp_path / "scaled"
+        made.mkdir()
+        for path in true.glob("data_*.png"):
+            np.save(made / f"{path.stem}.npy", (image - image.min()) / np.ptp(image))
+    with refusal(r"map: expected what a tracker made of an image, found the image .*/true/data_"):
+        score_folders(made, true)
+    # What a filter made of the image is a prediction.
+    for path in true.glob("data_*.png"):
+        write_map(folders[0] / path.name, gaussian_filter(image, (1, 3)))
+    assert score_folders(folders[0], true, n_bootstrap=1)["ods"][0] > 0.5
+
+
+def test_scores_below_those_of_a_constant_map_are_noted(tmp_path):
+    between = edge_map(20)  # half-way to the next layer
+    (ods, _), (note,) = of_files(tmp_path, between, MASK)
+    share = MASK.mean()
+    constant = 2 * share / (share + 1)
+    assert ods < constant
+    start = f"the best F of the set, {ods:.3g}, is below that of a map with all pixels on, "
+    assert note.startswith(f"{start}{constant:.3g}")
+    counts = match_counts(np.ones(MASK.shape), MASK, [0.5], thin=False)
+    assert_allclose(score([counts])["ods"], constant, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("name", "value"), [("tolerance", "a"), ("processes", True)])

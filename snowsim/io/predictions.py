@@ -15,7 +15,7 @@ from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import opened
 from snowsim.io.files import content_of, library_errors, listed, picture_format, refusal
-from snowsim.io.pairs import GREY_LABELS, layers_of_labels, pair_labels, read_image
+from snowsim.io.pairs import ANY_GREY, GREY_LABELS, layers_of_labels, pair_labels, read_image
 
 IMAGES = (".png", ".npy")
 LAYER_FILES = (".mat", ".nc")
@@ -23,6 +23,8 @@ LAYER_FILES = (".mat", ".nc")
 PREFIXES_OF_LABELS = ("layer_binary_", "layer_", "", "data_")
 PREFIXES_OF_MAPS = ("", "data_", "layer_", "layer_binary_")
 NAME = re.compile("(layer_binary_|layer_|data_|)(.*?)(?:_layers)?")
+# Correlation above which a map is an image itself, scaled or rounded.
+SAME_IMAGE = 0.999
 # `snowsim track` writes these beside its layers: pictures, and the names of a segment's layers.
 NO_LAYERS = re.compile(r".*_picks\.png|layer_\d{8}_\d{2}\.mat")
 
@@ -106,6 +108,23 @@ def read_map(path):
         found = f"{values[row, line]:g} at range_bin {row}, range_line {line}"
         raise refusal(path, "map", "numbers in [0, 1]", found)
     return values.astype(float)
+
+
+def refuse_image(probability, path, truth):
+    """Refuse an edge map that is the echogram image beside its truth, whatever its scale.
+
+    Images are `data_NAME.png` or `NAME.png` in the folder of the truth.
+    """
+    for prefix in ("data_", ""):
+        beside = truth.with_name(f"{prefix}{_name(truth)}.png")
+        if beside == truth or not beside.is_file():
+            continue
+        with library_errors(beside):
+            image = _read_png(beside, ANY_GREY).astype(float)
+        if image.shape != probability.shape or np.ptp(image) == 0 or np.ptp(probability) == 0:
+            continue
+        if np.corrcoef(image.ravel(), probability.ravel())[0, 1] > SAME_IMAGE:
+            raise refusal(path, "map", "what a tracker made of an image", f"the image {beside}")
 
 
 @dataclass(frozen=True)

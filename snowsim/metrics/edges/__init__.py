@@ -9,6 +9,7 @@ from snowsim.metrics.edges.counts import THRESHOLDS, match_counts, thresholds_of
 from snowsim.metrics.edges.scores import (
     COUNTS,
     METRICS,
+    f_measure,
     of_images,
     precision_recall,
     score,
@@ -21,6 +22,7 @@ __all__ = [
     "CURVATURE",
     "METRICS",
     "THRESHOLDS",
+    "f_measure",
     "match_counts",
     "of_images",
     "precision_recall",
