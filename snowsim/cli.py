@@ -192,38 +192,46 @@ def scenes(folder, n, statistics, force, seed, **settings):
 )
 @click.argument("predictions", type=EXISTING)
 @click.argument("truth", type=EXISTING)
-@click.option(
-    "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
-)
+@click.option("--picks", is_flag=True, help="Predictions are layers, which have no edge scores.")
 @click.option(
     "--thresholds",
     type=click.Choice(["quantiles", "published"]),
     default="quantiles",
-    help="Quantiles of the maps, or .01 to .99 as the published code has them.",
+    help="Thresholds: quantiles of the maps' values, or .01 to .99 as published.",
 )
-@click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
+@click.option(
+    "--no-suppress",
+    "suppressed",
+    is_flag=True,
+    help="Maps are thin already: leave out suppression.",
+)
 @click.option(
     "--tolerance",
     type=NOT_NEGATIVE,
     default=0.0075,
-    help="Largest distance of a match, as a share of the diagonal.",
+    help="Largest distance of matched pixels, as a share of the image diagonal.",
 )
 @click.option(
     "--max-distance-bins",
     type=POSITIVE,
     default=10.0,
-    help="Largest distance of a pick from its layer.",
+    help="Largest distance of a pick from its layer, in range bins.",
 )
 @click.option(
-    "--within-bins", type=NOT_NEGATIVE, default=2.0, help="Largest error to count as small."
+    "--within-bins",
+    type=NOT_NEGATIVE,
+    default=2.0,
+    help="Largest error that counts in share_within, in range bins.",
 )
-@click.option("--bin-s", type=POSITIVE, help="Range bin of the echograms that layer files are of.")
+@click.option(
+    "--bin-s", type=POSITIVE, help="Range bin of the echograms in seconds; layer files need it."
+)
 @click.option(
     "--bootstrap",
     "n_bootstrap",
     type=COUNT,
     default=1000,
-    help="Resamples of the images.",
+    help="Number of resamples of the images for the intervals.",
 )
 @seed_option
 @click.option("-j", "--processes", type=COUNT, default=1)

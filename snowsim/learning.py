@@ -8,7 +8,7 @@ from torch.utils.data import ConcatDataset, Subset
 
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count, check_values
-from snowsim.metrics.edges import of_images, score, stack_counts
+from snowsim.metrics.edges import score, select_images, stack_counts
 from snowsim.progress import shown
 from snowsim.tracker import (
     Settings,
@@ -120,7 +120,7 @@ def held_out_score(probability, scenes):
         return told
     counts = stack_counts(edge_counts(probability, scenes)[0])
     draws = np.random.default_rng(0).integers(len(scenes), size=(N_BOOTSTRAP, len(scenes)))
-    resampled = [score(of_images(counts, draw))["ods"] for draw in draws]
+    resampled = [score(select_images(counts, draw))["ods"] for draw in draws]
     low, high = np.percentile(resampled, [2.5, 97.5])
     found = {"ods": score(counts)["ods"], "low": low, "high": high}
     return told | {name: round(float(value), 4) for name, value in found.items()}

@@ -1,4 +1,4 @@
-"""Scores of a tracker's files: `snowsim.score_folders`, which the command `snowsim score` calls."""
+"""Scores of a tracker's files: `snowsim.score_folders`, and the command `snowsim score`."""
 
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
@@ -18,8 +18,8 @@ from snowsim.metrics.edges import (
     THRESHOLDS,
     f_measure,
     match_counts,
-    of_images,
     score,
+    select_images,
     stack_counts,
     suppress,
     thresholds_of,
@@ -28,8 +28,8 @@ from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
 from snowsim.progress import shown
 from snowsim.tracker import pick_layers
 
-ABOVE_0 = ("max_distance_bins", "bin_s")
-WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
+POSITIVE = ("max_distance_bins", "bin_s")
+LEAST_WHOLE_NUMBER = {"n_bootstrap": 1, "seed": 0, "processes": 1}
 # Fewest distinct values above 0 that give a map's AP. Maps that use all of [0, 1] have the AP of
 # floats within 0.01 if rounded to 16 even steps, within 0.03 to 4 steps; to 1 it is off by 0.56.
 LEAST_LEVELS = 16
@@ -77,20 +77,23 @@ def score_folders(
         scores. Without `picks`, layers are followed through the edge maps, at the threshold of the
         best F of the set.
     thresholds : {"quantiles", "published"}
-        Edge maps are scored at `snowsim.metrics.edges.thresholds_of` all of them, so that their
-        scale does not count; or as the published code does, at 0.01 to 0.99.
+        "quantiles" scores edge maps at quantiles of their own values, so that their scale does not
+        matter (`snowsim.metrics.edges.thresholds_of`). "published" scores them as the published
+        code does, at 0.01 to 0.99.
     suppressed : bool
-        Edge maps are thin already: no non-maximum suppression.
+        Edge maps are thin already: leave out non-maximum suppression.
     tolerance : float
         Largest distance of a matched pair, as a share of the image diagonal.
-    max_distance_bins, within_bins : float
-        How far from a layer a pick may lie to be its own; which errors count as small [range bins].
+    max_distance_bins : float
+        Largest distance of a pick from its layer [range bins].
+    within_bins : float
+        Largest error that counts in `share_within` [range bins].
     n_bootstrap, seed : int
-        Resamples of the images for the intervals, and what they are drawn with.
+        Number of resamples of the images, from which intervals come, and their random seed.
     processes : int
-        How many work at once; scores do not depend on it.
+        Number of processes that work at once; scores do not depend on it.
     bin_s : float
-        Range bin [s] of the echograms that layer files are of.
+        Range bin [s] of the echograms; layer files need it.
 
     Returns
     -------
@@ -143,14 +146,14 @@ def score_folders(
 
         threshold = counts = scored = None
         if not picks:
-            edges = partial(_edges, suppressed=suppressed, as_published=as_published)
-            levels = THRESHOLDS if as_published else thresholds_of(each(_found, edges=edges))
-            counts = each(_count, edges=edges, thresholds=levels, max_dist=tolerance)
+            edges = partial(_thin_edges, suppressed=suppressed, as_published=as_published)
+            levels = THRESHOLDS if as_published else thresholds_of(each(_edge_values, edges=edges))
+            counts = each(_count_edges, edges=edges, thresholds=levels, max_dist=tolerance)
             scored = partial(score, thresholds=levels, as_published=as_published)
             # Picks need a threshold below 1, which maps of one level do not have.
             threshold = min(scored(counts)["ods_threshold"], THRESHOLDS[-1])
         rows = each(
-            _pick,
+            _pick_errors,
             threshold=threshold,
             bin_s=bin_s,
             max_distance_bins=max_distance_bins,
@@ -174,10 +177,10 @@ def _check_settings(thresholds, numbers):
     """ValueError if settings of `score_folders` are out of range."""
     check_choice("thresholds", thresholds, ("quantiles", "published"))
     for name, value in numbers.items():
-        if name in WHOLE:
-            check_count(name, value, WHOLE[name])
+        if name in LEAST_WHOLE_NUMBER:
+            check_count(name, value, LEAST_WHOLE_NUMBER[name])
         elif value is not None or name != "bin_s":
-            check_values(name, value, 0, above=name in ABOVE_0, number=True)
+            check_values(name, value, 0, above=name in POSITIVE, number=True)
 
 
 def _notes_of_pairs(pairs, left_out, without_layers):
@@ -196,6 +199,7 @@ def _notes_of_pairs(pairs, left_out, without_layers):
 
 
 def _note(words, names, n_all):
+    """Sentence that counts and lists the files it is about."""
     return f"{words} ({len(names)} of {n_all}): {listed(names)}"
 
 
@@ -248,18 +252,19 @@ def _leave_out_ap(table, counts):
 
 @dataclass(frozen=True)
 class _Image:
-    """Edge map of an image; its mask, one pixel thick; its layers."""
+    """Edge map and truth of one image: a mask one pixel thick, and layers in range bins."""
 
     probability: np.ndarray
     mask: np.ndarray
-    thickness: float  # of the mask as it was drawn [pixels]
+    thickness: float  # of the layers of the mask before it was thinned [pixels]
     layer_bins: np.ndarray
 
 
 def _read_image(prediction, truth):
-    """`_Image` of two files.
+    """Edge map and truth of one image, from their files.
 
-    Without a prediction the map is empty, and as high as the layers reach where truth is no image.
+    Without a prediction the map is empty. It is then as high as the truth, or, if the truth holds
+    layers in range bins, as high as these reach.
     """
     probability = None if prediction is None else read_map(prediction)
     shape = None if prediction is None else probability.shape
@@ -279,7 +284,10 @@ def _read_image(prediction, truth):
 
 
 def _thinned(mask, layer_bins):
-    """A mask of one pixel a layer and range line, if it has more in the median, and how many."""
+    """Mask thinned to the middle of its layers, and their median thickness before [pixels].
+
+    A mask whose layers are one pixel thick in the median is returned as it is.
+    """
     begins = mask.copy()
     begins[1:] &= ~mask[:-1]
     runs = np.cumsum(begins, axis=0) + len(mask) * np.arange(mask.shape[1])
@@ -288,38 +296,42 @@ def _thinned(mask, layer_bins):
     return (layer_mask(layer_bins, len(mask)) if thickness > 1 else mask), thickness
 
 
-def _edges(probability, prediction, *, suppressed, as_published):
-    """Edge map of an image, thin."""
+def _thin_edges(probability, prediction, *, suppressed, as_published):
+    """Edge map of one image after non-maximum suppression, which `suppressed` maps do not need."""
     if suppressed:
         return probability
     added_curvature = CURVATURE if as_published else 0
     return suppress(probability, added_curvature=added_curvature, where=str(prediction))
 
 
-def _found(pair, *, edges):
-    """Values above 0 of the thin edge map of one image."""
+def _edge_values(pair, *, edges):
+    """Values above 0 in the thin edge map of one image."""
     _, prediction, truth = pair
-    found = edges(_read_image(prediction, truth).probability, prediction)
-    return found[found > 0]
+    thin = edges(_read_image(prediction, truth).probability, prediction)
+    return thin[thin > 0]
 
 
-def _count(pair, *, edges, thresholds, max_dist):
-    """Counts of one image, with the thickness of its mask and the lowest levels of its map."""
+def _count_edges(pair, *, edges, thresholds, max_dist):
+    """Counts of `match_counts` for one image, with what the notes and AP need.
+
+    `levels` are the lowest distinct values of the map above 0, at most `LEAST_LEVELS`.
+    """
     _, prediction, truth = pair
     image = _read_image(prediction, truth)
     if prediction is not None:
         refuse_image(image.probability, prediction, truth)
-    found = edges(image.probability, prediction)
-    counts = match_counts(found, image.mask, thresholds, max_dist=max_dist)
+    thin = edges(image.probability, prediction)
+    counts = match_counts(thin, image.mask, thresholds, max_dist=max_dist)
     levels = np.unique(image.probability[image.probability > 0])[:LEAST_LEVELS]
-    others = {"thickness": image.thickness, "levels": levels, "n_pixels": image.mask.size}
-    return counts | others
+    of_image = {"thickness": image.thickness, "levels": levels, "n_pixels": image.mask.size}
+    return counts | of_image
 
 
-def _pick(pair, *, threshold, bin_s, **limits):
-    """What became of the layers of one image.
+def _pick_errors(pair, *, threshold, bin_s, **limits):
+    """Errors of picks of one image, as `layer_rows` has them.
 
-    Without a threshold, in picks that are the tracker's own.
+    Picks are followed through the edge map at the threshold; if it is None, they are the
+    prediction.
     """
     _, prediction, truth = pair
     if threshold is None:
@@ -332,30 +344,35 @@ def _pick(pair, *, threshold, bin_s, **limits):
 
 
 def _picks_and_truth(prediction, truth, bin_s):
-    """Layers of both files, (layer, range_line); without a prediction, none of its own."""
+    """Predicted and true layers of two files in range bins, both (layer, range_line).
+
+    Both are peaks of echoes, or both are interfaces. A missing prediction has no layers.
+    """
     true = read_picks(truth, bin_s)
     if prediction is None:
         peak_bins = true.interface_bins if true.peak_bins is None else true.peak_bins
         return peak_bins[:0], peak_bins
-    made = read_picks(prediction, bin_s)
+    predicted = read_picks(prediction, bin_s)
     expected = f"{_lines(true)} as {truth} has"
-    if _lines(made) != _lines(true):
-        raise refusal(prediction, "size", expected, _lines(made))
-    if made.slow_time is not None:
-        away = np.abs(made.slow_time - true.slow_time).max()
+    if _lines(predicted) != _lines(true):
+        raise refusal(prediction, "size", expected, _lines(predicted))
+    if predicted.slow_time is not None:
+        away = np.abs(predicted.slow_time - true.slow_time).max()
         if away > SAME_TIME:
             raise refusal(prediction, "slow_time", expected, f"one {away} away")
-    if made.peak_bins is not None and true.peak_bins is not None:
-        return made.peak_bins, true.peak_bins
-    if made.interface_bins is not None and true.interface_bins is not None:
-        return made.interface_bins, true.interface_bins
-    places = {True: "interfaces alone", False: "peaks of echoes, which lie below them"}
-    expected = f"{places[true.peak_bins is None]}, as {truth} has, or both"
-    raise refusal(prediction, "twtt", expected, places[made.peak_bins is None])
+    if predicted.peak_bins is not None and true.peak_bins is not None:
+        return predicted.peak_bins, true.peak_bins
+    if predicted.interface_bins is not None and true.interface_bins is not None:
+        return predicted.interface_bins, true.interface_bins
+    interfaces = "interfaces alone"
+    peaks = "peaks of echoes, which lie below them"
+    if true.peak_bins is None:
+        raise refusal(prediction, "twtt", f"{interfaces}, as {truth} has, or both", peaks)
+    raise refusal(prediction, "twtt", f"peaks of echoes, as {truth} has, or both", interfaces)
 
 
 def _lines(picks):
-    """Range lines of layers, as a message tells them."""
+    """Number and kind of the range lines of picks, for error messages."""
     peak_bins = picks.interface_bins if picks.peak_bins is None else picks.peak_bins
     n_lines = peak_bins.shape[1]
     return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
@@ -364,9 +381,9 @@ def _lines(picks):
 def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
     """Table of `score_folders` from the `match_counts` (or None) and `layer_rows` of each image.
 
-    `scored` gives the edge scores of counts.
-    `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with
-    replacement, NaN for one image alone, whose `ods` and `ois` are its best F.
+    `scored` is a function from counts to edge scores. `low` and `high` are the 2.5 and 97.5
+    percentiles of resamples of the images, drawn with replacement; they are NaN if there is one
+    image. The `ods` and `ois` of one image are its best F.
     """
     sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
     draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
@@ -377,10 +394,10 @@ def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
     if counts is not None:
         stacked = stack_counts(counts)
         resamples = shown(draws, unit="resample")
-        scores = [scored(of_images(stacked, draw)) for draw in resamples]
-        images = _beside([scored([image]) for image in counts], images)
-        whole = _beside([scored(stacked)], whole)
-        resampled = _beside(scores, resampled)
+        scores = [scored(select_images(stacked, draw)) for draw in resamples]
+        images = _with_edge_scores(images, [scored([image]) for image in counts])
+        whole = _with_edge_scores(whole, [scored(stacked)])
+        resampled = _with_edge_scores(resampled, scores)
     ends = pd.DataFrame(index=range(2))
     if len(names) > 1:
         ends = resampled.quantile([0.025, 0.975])
@@ -390,9 +407,11 @@ def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
 
 
 def _errors(sums):
+    """Columns `PICK_SCORES` of sums of `layer_rows`."""
     return errors_of_sums(sums, bin_size_m=1)[PICK_SCORES]
 
 
-def _beside(scores, errors):
+def _with_edge_scores(errors, scores):
+    """Table of errors with edge scores in front: one dict of `score` for each row."""
     edges = pd.DataFrame(scores).rename(columns={"ods_threshold": "threshold"})
     return pd.concat([edges[[*METRICS, "threshold"]], errors], axis=1)

@@ -5,7 +5,7 @@ from skimage.metrics import structural_similarity
 
 DATA_RANGE = 255
 WINDOW_SIGMA = 1.5  # [pixels]
-WINDOW_RADIUS = 5  # 3.5 sigma, where scikit-image cuts the window
+WINDOW_RADIUS = 5  # [pixels], 3.5 sigma rounded, where scikit-image ends the window
 
 
 def similarity(image, reference):
@@ -59,8 +59,9 @@ def ssim_map(image, reference):
     with exponents of 1 and ``C3 = C2 / 2`` it is ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v +
     w + C2))``. The constants are ``C = (K 255)^2``, K1 0.01 and K2 0.03. The means m and n, the
     variances v and w and the covariance of the two images are weighted by a Gaussian window of
-    sigma 1.5 pixels, which ends at 5 pixels; they lack the factor n / (n - 1). Beyond the border
-    images are mirrored, and the edge pixel is repeated.
+    sigma 1.5 pixels, which ends at 5 pixels; variances and covariance are those of a population,
+    without the factor n / (n - 1). Beyond the border images are mirrored, and the edge pixel is
+    repeated.
     """
     _, by_pixel = structural_similarity(
         image,

@@ -1,4 +1,4 @@
-"""Errors of picks: which true layer each pick belongs to, and sums by layer.
+"""Errors of picks: the true layer of each pick, and sums of errors by layer.
 
 Sums can be pooled over many scenes: by training set, by accumulation zone or by depth.
 """
@@ -28,12 +28,16 @@ SUMS = (
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
-    """Assign picks to true layers, both (row, range_line), line by line and keeping their order.
+    """Errors of picks, and which picks belong to a true layer.
 
-    Of all assignments that keep the order, the one with the least sum of distances, where a layer
-    without a pick counts `max_distance_bins`; found by dynamic programming. Returns the error of
-    each layer, pick less truth [range bins], NaN where the layer is absent or has no pick, and
-    where each pick was used. Picks that cross and unlike widths are refused.
+    `picks` and `layer_bins` are (layer, range_line) in range bins. Picks are assigned to layers
+    line by line, without a change of their order. Of all such assignments dynamic programming
+    finds the one with the smallest sum of distances, in which a layer without a pick counts
+    `max_distance_bins`.
+
+    The first result is pick less truth [range bins], in the shape of `layer_bins`, NaN where a
+    layer is absent or has no pick. The second is bool in the shape of `picks`, True where a pick
+    belongs to a layer. Picks that cross are refused, and so are numbers of range lines that differ.
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
@@ -56,13 +60,14 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
 
 @compiled()
 def _align(expected, found, max_distance):
-    """Index of what was found for each entry expected, -1 for none.
+    """Index in `found` for each entry of `expected`, -1 for none; `match_picks` has the rule.
 
-    The order-keeping assignment of least distance.
+    Both arrays are one range line of bins, ascending.
     """
     n = expected.size
     m = found.size
-    # gain[i, j]: the most that the first i expected and j found can save of max_distance each.
+    # gain[i, j] is the largest sum of max_distance less distance over the pairs that the first i
+    # of expected and the first j of found can form.
     gain = np.zeros((n + 1, m + 1))
     for i in range(1, n + 1):
         for j in range(1, m + 1):
@@ -84,22 +89,22 @@ def _align(expected, found, max_distance):
 
 
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
-    """Table of a scene: one row for each true and each false layer, summed over range lines.
+    """Table of a scene with one row for each true and each false layer, summed over range lines.
 
-    `picks` and `layer_bins` are those of `match_picks`; layer 0, the surface, must be present, or
-    no layer at all. A picked layer is false if less than half of its picks belong to true layers.
+    `picks` and `layer_bins` are those of `match_picks`. Layer 0 must be the surface, unless there
+    is no layer. A picked layer is false if less than half of its picks belong to true layers.
     Columns are:
 
     - `layer`: number of the true layer, -1 for a false one;
     - `depth_bins`: its mean depth below the surface [range bins];
-    - `n_true`, `n_found`: pixels of the true layer, and those of them with a pick;
+    - `n_true`, `n_found`: number of pixels of the true layer, and of those with a pick;
     - `error`, `absolute_error`: sums of pick less truth and of its absolute value [range bins];
-    - `n_within`: picks with an error of at most `within_bins`;
-    - `n_thickness`, `thickness_error`, `thickness_absolute_error`: the same count and sums for the
-      thickness of the slab above, where both of its bounds have a pick;
-    - `n_picks`: picks of a false layer;
-    - `n_layers`, `n_missed_layers`, `n_false_layers`: 1 or 0, whether the row is a true layer, a
-      missed one (picked on less than half of its range lines), a false one.
+    - `n_within`: number of picks with an error of at most `within_bins`;
+    - `n_thickness`, `thickness_error`, `thickness_absolute_error`: count and sums of errors of the
+      thickness of the slab above, where the layers above and below it have a pick;
+    - `n_picks`: number of picks of a false layer;
+    - `n_layers`, `n_missed_layers`, `n_false_layers`: 1 if the row is a true layer, a missed layer
+      (picked on less than half of its range lines) or a false layer, else 0.
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
@@ -145,20 +150,22 @@ def _finite(values):
 
 
 def pool_picks(rows, by, *, bin_size_m):
-    """Pool rows of `layer_rows` over each group of equal values in the columns `by`.
+    """Errors of picks for each group of rows of `layer_rows` with equal values in columns `by`.
 
-    The table has one row a group, in order of first appearance. Beside the columns `by` it holds
-    `mean_absolute_error_bins` and `bias_bins`, both also for the thickness, and all four in metres
-    (`_m`), where a range bin spans `bin_size_m` of snow; `share_within`, of found pixels;
-    `share_found`, of true pixels; `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true` and
-    `n_found`. Errors are NaN where nothing was found.
+    The table has one row for each group, in order of first appearance. Besides `by` its columns
+    are:
+
+    - `mean_absolute_error_bins` and `bias_bins`, of layers and of thickness (`thickness_`), and all
+      four in metres (`_m`), with `bin_size_m` of snow in a range bin; NaN if nothing was found;
+    - `share_within`, a share of the found pixels, and `share_found`, a share of the true pixels;
+    - `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true` and `n_found`.
     """
     sums = rows.groupby(by, sort=False)[list(SUMS)].sum().reset_index()
     return errors_of_sums(sums, bin_size_m)
 
 
 def errors_of_sums(sums, bin_size_m):
-    """The table with its columns `SUMS` replaced by the error columns of `pool_picks`."""
+    """Table of sums with the error columns of `pool_picks` in place of its columns `SUMS`."""
     # A count of 0 becomes NaN, so that no division warns.
     n_found = sums["n_found"].where(sums["n_found"] > 0)
     n_thickness = sums["n_thickness"].where(sums["n_thickness"] > 0)
@@ -179,5 +186,5 @@ def errors_of_sums(sums, bin_size_m):
 
 
 def snow_per_bin_m(bin_size_s, density_kg_m3):
-    """Thickness of snow [m] that one range bin spans, there and back, ``c t / (2 n)``."""
+    """Thickness of snow in one range bin [m], ``c t / (2 n)`` for the two-way travel time t."""
     return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + KOVACS_M3_KG * density_kg_m3))

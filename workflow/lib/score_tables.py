@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.edges import COUNTS, METRICS, of_images, score, stack_counts
+from snowsim.metrics.edges import COUNTS, METRICS, score, select_images, stack_counts
 
 # Scores of each grid of thresholds by their names in Table III: `f` is F at the threshold that is
 # best on the validation scenes.
@@ -135,7 +135,7 @@ def tracker_intervals(
 
 def _means(replicas, scored, images=slice(None)):
     """Mean over replicas of each of `METRICS`, on some images, (metric,)."""
-    scores = [scored(of_images(replica, images)) for replica in replicas]
+    scores = [scored(select_images(replica, images)) for replica in replicas]
     return np.array([np.mean([each[metric] for each in scores]) for metric in METRICS])
 
 

@@ -1,8 +1,8 @@
 """Edge scores of trackers: suppression to thin edges, one-to-one matching, ODS, OIS and AP.
 
-One image is counted by ``match_counts(suppress(prediction), truth, THRESHOLDS)`` as published, or
-with the `thresholds_of` all images that are scored together. Counts are integers, so images may be
-counted in any order and in shards; `score` pools them.
+``match_counts(suppress(prediction), truth, THRESHOLDS)`` counts one image as published. By default
+`thresholds_of` all images that are scored together take the place of `THRESHOLDS`. Counts are
+integers, so images may be counted in any order and in shards; `score` pools them.
 """
 
 from snowsim.metrics.edges.counts import THRESHOLDS, match_counts, thresholds_of
@@ -10,9 +10,9 @@ from snowsim.metrics.edges.scores import (
     COUNTS,
     METRICS,
     f_measure,
-    of_images,
     precision_recall,
     score,
+    select_images,
     stack_counts,
 )
 from snowsim.metrics.edges.suppression import CURVATURE, suppress
@@ -24,7 +24,7 @@ __all__ = [
     "THRESHOLDS",
     "f_measure",
     "match_counts",
-    "of_images",
+    "select_images",
     "precision_recall",
     "score",
     "stack_counts",

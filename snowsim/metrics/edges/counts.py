@@ -16,7 +16,7 @@ THRESHOLDS = np.linspace(0.01, 0.99, 99)  # those of the published code
 
 
 def thresholds_of(edges):
-    """Thresholds of an evaluation, which follow the scale of its maps: 99 quantiles, ascending.
+    """Thresholds that follow the scale of the maps: 99 quantiles of their values, ascending.
 
     Parameters
     ----------
@@ -26,14 +26,14 @@ def thresholds_of(edges):
     Returns
     -------
     ndarray, (threshold,)
-        Values of pixels. Of those above 0, each counted once, a share of ``(k / 100)^2`` reaches
-        the k-th from the top. Squares begin at a ten-thousandth, so that precision is known at
-        small recalls; equal steps would leave out what the first hundredth finds. Fewer than 99
-        levels, as some 8-bit maps have, come more than once. `THRESHOLDS` where all pixels are 0.
+        A share ``(k / 100)^2`` of the distinct values above 0 is at least the k-th threshold from
+        the top. The smallest share is a ten-thousandth, so that precision is known at small
+        recalls; equal steps would begin at a hundredth. If there are fewer than 99 distinct values,
+        as in some 8-bit maps, thresholds repeat. If all pixels are 0, they are `THRESHOLDS`.
 
     Examples
     --------
-    Any increasing function of the values, a tenth or a square, leaves all counts as they are:
+    Counts of pixels stay the same under any increasing function of the values, here a square:
 
     >>> edges = np.random.default_rng(1).random((30, 40))
     >>> [int((edges**2 >= each).sum()) for each in thresholds_of([edges**2])[::-33]]
@@ -47,9 +47,9 @@ def thresholds_of(edges):
 
 
 def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
-    """Count predicted and true pixels of one image that pair up, at every threshold.
+    """Numbers of matched and of all pixels of one image, predicted and true, at every threshold.
 
-    No suppression is done here: pass `suppress(prediction)` for the usual scores.
+    The map is not suppressed here: pass `suppress(prediction)` for the usual scores.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     truth : array_like of bool (or 0 and 1), (range_bin, range_line)
         True edges, which are never thinned.
     thresholds : array_like, (threshold,)
-        Thresholds in any order; counts come in the same order.
+        Thresholds in any order; counts have the same order.
     max_dist : float
         Largest distance between the pixels of a pair, as a share of the image diagonal.
     thin : bool
@@ -83,9 +83,9 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     -----
     This is the protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26).
     Its minimum-cost assignment with outliers is replaced by the exact maximum-cardinality matching:
-    the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are worked through
-    from the highest down, and each matching is repaired from the one before. All thresholds of a
-    map that thinning leaves alone therefore cost little more than its lowest one.
+    the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are taken from the
+    highest down, and the matching of each is a repair of the one before. If thinning changes
+    little, all thresholds therefore cost little more than the lowest one.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
     n_on = 0
-    for level, removed, added in _changes(np.pad(prediction, 1), levels, thin):
+    for level, removed, added in _changes_by_level(np.pad(prediction, 1), levels, thin):
         n_on += added.size - removed.size
         n_prediction[level] = n_on
         matched[level] = matching.update(removed, added)
@@ -131,8 +131,11 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     }
 
 
-def _changes(framed, levels, thin):
-    """Yield level, pixels switched off and pixels switched on (flat indices), from the top down."""
+def _changes_by_level(framed, levels, thin):
+    """Number of each level from the top down, with the pixels (flat indices) it turns off and on.
+
+    The changes are those of the map, thinned if `thin`, from one level to the next.
+    """
     above_lowest = framed >= levels[0]
     # The border is no part of the map, although its zeros reach a level of 0 or less.
     above_lowest[[0, -1]] = False

@@ -1,6 +1,6 @@
-"""Largest one-to-one matching of predicted to true pixels, kept exact while predicted ones change.
+"""Largest one-to-one matching of predicted to true pixels, exact after each change of the map.
 
-`State` holds the arrays that the kernels change in place. Three of them are the matching:
+`State` holds the arrays that the compiled functions change in place. Three are the matching:
 
 `mate_of_pixel` (pixel)
     For every pixel of the flattened map its true pixel, `FREE` where a predicted pixel has none, or
@@ -27,16 +27,16 @@ ABSENT = -2
 
 
 class State(NamedTuple):
-    """The matching, see the module; the geometry; and the true pixels a search has seen."""
+    """Arrays of the matching (see the module), of the geometry, and of searches."""
 
     mate_of_pixel: np.ndarray
     mate_of_truth: np.ndarray
     saturated: np.ndarray
-    # (line, row): number of the first true pixel of the line at or below the row. True pixels are
-    # numbered column by column, so those of a column within reach of a pixel are consecutive.
+    # (line, row): number of the first true pixel of the line at this row or below. True pixels are
+    # numbered column by column, so those of one column near a pixel have consecutive numbers.
     first: np.ndarray
     pixel_of_truth: np.ndarray
-    reach: np.ndarray
+    reach: np.ndarray  # (column offset): see `reach_by_column`
     seen: np.ndarray  # (true pixel): number of the last search that saw it
     back: np.ndarray  # (true pixel): the pixel, or true pixel, from which that search came
     queue: np.ndarray  # true pixels in the order seen
@@ -75,7 +75,10 @@ class Matching:
 
 
 def reach_by_column(radius, n_lines):
-    """Rows that a pixel reaches up and down in a column so many columns away, (column offset,)."""
+    """Largest distance in rows of a pair of pixels, by their distance in columns, (column offset,).
+
+    Pairs lie within `radius` [pixels] of each other.
+    """
     columns = np.arange(min(int(radius), n_lines - 1) + 1)
     reach = np.floor(np.sqrt(np.maximum(radius * radius - columns**2, 0))).astype(np.int32)
     reach += (reach + 1) ** 2 + columns**2 <= radius * radius  # the root may have been rounded down
@@ -87,10 +90,13 @@ def _update(
     removed, added, search,
     mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue,
 ):  # fmt: skip
-    """Change in the number of pairs; `search` is the number of the last search made before."""
+    """Change in the number of pairs by pixels removed and added; changes the state in place.
+
+    `search` is the number of the last search before this call.
+    """
     state = State(
         mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue
-    )  # here, for a named tuple costs more to pass than all of a small update
+    )  # Arrays are passed one by one: a named tuple costs more to pass than a small update.
     change = 0
     for pixel in removed:
         freed = state.mate_of_pixel[pixel]
@@ -111,7 +117,7 @@ def _update(
 
 @compiled(inline="always")
 def _match_truth(freed, search, state):
-    """Find a new mate for a true pixel that lost its own: 1 if an augmenting path leads to one."""
+    """Find a mate for a true pixel that lost its own: 1 if an augmenting path exists, else 0."""
     state.seen[freed] = search
     state.back[freed] = FREE
     state.queue[0] = freed
@@ -136,9 +142,9 @@ def _match_truth(freed, search, state):
 
 @compiled(inline="always")
 def _free_pixel_near(here, tail, search, state):
-    """An unmatched predicted pixel in reach of a true one, or `ABSENT`; and the queue's new end.
+    """An unmatched predicted pixel near a true one, or `ABSENT`, and the new end of the queue.
 
-    True pixels whose predicted pixels are in reach join the queue.
+    If predicted pixels nearby are matched, their true pixels join the queue.
     """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = state.pixel_of_truth[here] // n_lines, state.pixel_of_truth[here] % n_lines
@@ -161,7 +167,7 @@ def _free_pixel_near(here, tail, search, state):
 
 @compiled(inline="always")
 def _match_pixel(pixel, search, state):
-    """Find a mate for a predicted pixel that was added: 1 if an augmenting path leads to one."""
+    """Find a mate for an added predicted pixel: 1 if an augmenting path exists, else 0."""
     here = pixel
     head = tail = 0
     while True:
@@ -185,9 +191,9 @@ def _match_pixel(pixel, search, state):
 
 @compiled(inline="always")
 def _free_truth_near(here, tail, search, state):
-    """An unmatched true pixel in reach of a predicted one, or `ABSENT`; and the queue's new end.
+    """An unmatched true pixel near a predicted one, or `ABSENT`, and the new end of the queue.
 
-    Matched true pixels in reach join the queue.
+    Matched true pixels nearby join the queue.
     """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = here // n_lines, here % n_lines

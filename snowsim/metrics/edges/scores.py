@@ -12,15 +12,15 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 def stack_counts(counts):
     """Counts of a set of images as a dict of arrays (image, threshold).
 
-    `counts` holds for every image what `match_counts` gives, or is such a dict already.
+    `counts` is a list with the result of `match_counts` for every image, or such a dict already.
     """
     if isinstance(counts, dict):
         return {name: np.asarray(counts[name]) for name in COUNTS}
     return {name: np.array([image[name] for image in counts]) for name in COUNTS}
 
 
-def of_images(counts, images):
-    """Stacked counts of some images of a set by their numbers, which may repeat."""
+def select_images(counts, images):
+    """Stacked counts of the images with these numbers, which may repeat."""
     return {name: values[images] for name, values in counts.items()}
 
 
@@ -30,20 +30,19 @@ def score(counts, thresholds=None, *, as_published=False):
     Parameters
     ----------
     counts : sequence of dict, or dict of ndarray (image, threshold)
-        What `match_counts` gives for every image, thresholds ascending, or what `stack_counts`
-        makes of it.
+        Results of `match_counts` for every image, at ascending thresholds, or of `stack_counts`.
     thresholds : array_like, (threshold,), optional
         Thresholds of the counts; only `ods_threshold` needs them.
     as_published : bool
-        Let an image of which nothing is found take part in OIS at the lowest threshold.
+        In OIS, count an image in which no layer is found at the lowest threshold.
 
     Returns
     -------
     dict
-        `ods`, the best F of the pooled counts at one threshold for all images; `ois`, the F of
-        counts that are pooled from every image at its own best threshold; `ap`, the mean precision;
-        `ods_index` and `ods_threshold` (NaN unless thresholds are given); `n_images` and
-        `n_without_truth`.
+        `ods`, the best F of the pooled counts at one threshold for all images; `ois`, the F of the
+        counts pooled over images, each at its own best threshold; `ap`, the mean precision over
+        recalls; `ods_index` and `ods_threshold`, number and value of the threshold of `ods` (NaN
+        unless thresholds are given); `n_images` and `n_without_truth`.
 
     Raises
     ------
@@ -54,10 +53,11 @@ def score(counts, thresholds=None, *, as_published=False):
     Notes
     -----
     ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R =
-    matched_truth / n_truth``, 0 where there is no pixel. At equal F the lowest threshold counts as
-    best. An image without truth, or of which nothing is found, has F = 0 at every threshold. OIS
-    counts its false positives at the highest, where they are fewest; the published code at the
-    lowest, so that OIS could be below ODS. Images without truth are counted in `n_without_truth`.
+    matched_truth / n_truth``, 0 where there is no pixel. Of thresholds with equal F the lowest is
+    best. An image without truth, or in which no layer is found, has F = 0 at every threshold. OIS
+    counts its false positives at the highest threshold, where they are fewest. The published code
+    counts them at the lowest, so that OIS can be below ODS. `n_without_truth` is the number of
+    images without truth.
 
     AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Precision is
     interpolated linearly at recalls 0, 0.01 ... 1, where thresholds of equal recall are represented
@@ -114,7 +114,7 @@ def score(counts, thresholds=None, *, as_published=False):
 def precision_recall(counts):
     """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,).
 
-    Counts as for `score`.
+    `counts` are those of `score`.
     """
     pooled = {name: values.sum(axis=0) for name, values in stack_counts(counts).items()}
     precision, recall = _precision_and_recall(pooled)
@@ -128,6 +128,7 @@ def f_measure(precision, recall):
 
 
 def _average_precision(pooled):
+    """Mean precision at 101 recalls from 0 to 1; recalls outside the range of the counts add 0."""
     precision, recall = _precision_and_recall(pooled)
     recalls, lowest = np.unique(recall, return_index=True)
     if recalls.size < 2:
@@ -138,6 +139,7 @@ def _average_precision(pooled):
 
 
 def _precision_and_recall(counts):
+    """Precision and recall of counts, 0 where there is no pixel."""
     precision = counts["matched_prediction"] / np.maximum(counts["n_prediction"], 1)
     recall = counts["matched_truth"] / np.maximum(counts["n_truth"], 1)
     return precision, recall

@@ -8,16 +8,16 @@ from snowsim.limits import check_values
 
 SMOOTHING_RADIUS = 1
 ORIENTATION_RADIUS = 4
-BORDER = 5  # pixels over which edges fade towards the border of the map
-CURVATURE = 1e-5  # added along the range lines, where the published code divides by it
-STEEP = 1e150  # tangent of a right angle; its square is finite
+BORDER = 5  # [pixels] width of the border in which edges fade
+CURVATURE = 1e-5  # added to the curvature along range lines, the published code's denominator
+STEEP = 1e150  # stands for the tangent of a right angle; its square is finite
 MARGIN = 1.01  # factor by which a neighbour must be stronger to suppress a pixel
 
 
 def check_prediction(prediction, where="image"):
     """Edge map as float64 (range_bin, range_line).
 
-    ValueError, naming `where`, unless it lies in [0, 1].
+    A map that is empty or leaves [0, 1] is refused by a ValueError that names `where`.
     """
     prediction = np.asarray(prediction)
     if prediction.ndim != 2 or prediction.size == 0:
@@ -37,8 +37,8 @@ def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
     prediction : array_like, (range_bin, range_line)
         Edge probability in [0, 1].
     added_curvature : float
-        What the published code adds to ``Oxx``, see below. It turns faint ridges, from 0.001 down;
-        with 0 the edges of a tenth of a map are a tenth of its edges.
+        Constant that the published code adds to ``Oxx``, see below. It turns ridges fainter than
+        about 0.001. With 0, a map divided by ten has the same edges, divided by ten.
     where : str
         Name of the image, for errors.
 
@@ -46,7 +46,7 @@ def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
     -------
     ndarray of float64, (range_bin, range_line)
         The smoothed map where it is a maximum across the edge, else 0. Edges fade at the border:
-        the outermost pixels are 0 and the next four are scaled by 1/5 ... 4/5.
+        the outermost pixels are 0 and the next four are multiplied by 1/5, 2/5, 3/5 and 4/5.
 
     Raises
     ------
@@ -55,13 +55,14 @@ def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
 
     Notes
     -----
-    This is the practice of HED (Xie & Tu 2015, ICCV), taken from the structured edge detector of
-    Dollar & Zitnick (2015), IEEE TPAMI 37. ``E`` is the map under a triangle filter of radius 1,
-    and ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` is the orientation of its ridges, from
-    second differences after a further triangle filter of radius 4. A pixel is suppressed where
-    ``1.01 E`` is less than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``.
-    Since ``sign(0) = 0``, a ridge that lies exactly in one range bin over a dozen range lines gets
-    ``O = 0`` and is left to the thinning. This is kept, so that scores compare with published ones.
+    Networks such as HED (Xie & Tu 2015, ICCV) are scored after this suppression, which the
+    structured edge detector of Dollar & Zitnick (2015), IEEE TPAMI 37, introduced. ``E`` is the map
+    under a triangle filter of radius 1, and ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` is
+    the orientation of its ridges, from second differences after a further triangle filter of radius
+    4. A pixel is suppressed where ``1.01 E`` is below the bilinear value of ``E`` one pixel away
+    along ``+-(cos O, sin O)``. Since ``sign(0) = 0``, a ridge that stays in one range bin over a
+    dozen range lines has ``O = 0`` and keeps its width; thinning narrows it. The published code
+    does the same.
 
     Examples
     --------
@@ -82,7 +83,7 @@ def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
 
 
 def triangle_filter(image, radius):
-    """Image under a separable triangle filter of unit sum, mirrored at its border."""
+    """Image smoothed by a separable triangle filter of unit sum, mirrored at its border."""
     steps = np.arange(-radius, radius + 1)
     weights = (radius + 1 - np.abs(steps)) / (radius + 1) ** 2
     by_bin = correlate1d(image, weights, axis=0, mode="reflect")
@@ -90,13 +91,13 @@ def triangle_filter(image, radius):
 
 
 def tangent_across(smoothed, added_curvature=CURVATURE):
-    """Tangent of the angle of the direction across the ridges of a map, 0 along range lines."""
+    """Tangent of the angle between range lines and the direction across the ridges of a map."""
     averaged = triangle_filter(smoothed, ORIENTATION_RADIUS)
     slope_bin = _gradient(averaged, 0)
     bin_bin = _gradient(slope_bin, 0)
     bin_line = _gradient(slope_bin, 1)
     line_line = _gradient(_gradient(averaged, 1), 1)
-    # A denominator of 0 gives the limit, across the layer, and 0 where sign(0) = 0.
+    # A denominator of 0 stands for a right angle; 0 / 0, where sign(0) = 0, gives 0.
     with np.errstate(divide="ignore", invalid="ignore"):
         tangent = bin_bin * np.sign(-bin_line) / (line_line + added_curvature)
     return np.nan_to_num(tangent, posinf=STEEP, neginf=-STEEP)
@@ -108,7 +109,7 @@ def _gradient(image, axis):
 
 
 def _border_fade(length):
-    """Factor of every row or column, k / 5 for the k-th from either border and at most 1."""
+    """Factor of every row or column: k / 5 for the k-th from the nearer border, at most 1."""
     width = min(BORDER, length // 2)
     if width == 0:
         return np.ones(length)
@@ -118,7 +119,7 @@ def _border_fade(length):
 
 @compiled()
 def _keep_maxima(smoothed, tangent):
-    """Copy of the smoothed map that is 0 where it has no maximum along the direction `tangent`."""
+    """Smoothed map where it has a maximum along the direction of `tangent`, 0 elsewhere."""
     n_rows, n_lines = smoothed.shape
     kept = np.zeros_like(smoothed)
     for row in range(n_rows):
@@ -139,7 +140,7 @@ def _keep_maxima(smoothed, tangent):
 
 @compiled()
 def _between_pixels(image, y, x):
-    """Bilinear value of an image at row y and column x, which are clipped to the image."""
+    """Value of an image at row y and column x, clipped to the image, by bilinear interpolation."""
     n_rows, n_lines = image.shape
     y = min(max(y, 0.0), max(n_rows - 1.001, 0.0))
     x = min(max(x, 0.0), max(n_lines - 1.001, 0.0))

@@ -1,4 +1,4 @@
-"""Thinning of binary maps by a look-up table; only pixels whose neighbours changed are visited."""
+"""Thinning of binary maps by a look-up table that visits only pixels with changed neighbours."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 
 
 
 def _deletable():
-    """Whether a pixel of every code is removed by each half-step, bool (2, 256).
+    """Whether each half-step removes a pixel, by the code of its neighbours: bool (2, 256).
 
     Conditions G1-G3 of algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen
     (1992), IEEE TPAMI 14.
@@ -33,13 +33,16 @@ DELETABLE = _deletable()
 
 
 def neighbour_steps(row_length):
-    """Steps to `NEIGHBOURS` in a flattened map of rows of `row_length`, (8,)."""
+    """Flat-index differences to the `NEIGHBOURS` in a map with rows of `row_length`, (8,)."""
     return np.array([row * row_length + line for row, line in NEIGHBOURS])
 
 
 @compiled()
 def switch_on(pixels, on, codes, steps):
-    """Add pixels to a flattened, framed map and to the codes of their neighbours, in place."""
+    """Turn pixels on in a flattened map with a border, and in the codes of their neighbours.
+
+    Both arrays change in place.
+    """
     for pixel in pixels:
         on[pixel] = 1
         for k in range(8):
@@ -48,13 +51,15 @@ def switch_on(pixels, on, codes, steps):
 
 @compiled()
 def thin_pixels(pixels, on, codes, steps, deletable):
-    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on.
+    """Thin the flattened map `on`, which has a border, and its `codes` in place.
+
+    `pixels` are the flat indices of all pixels that are on.
 
     Thinning stops once one of the two half-steps removes nothing, as in the Python port of the
     Berkeley benchmark (py-bsds500). A few pixels more remain than in scikit-image and MATLAB, which
     stop once neither half-step removes any.
     """
-    # For each half-step the pixels it has still to visit.
+    # Pixels that each half-step has still to visit.
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)
     queues[:] = pixels
     lengths = np.array([pixels.size, pixels.size])
@@ -72,7 +77,7 @@ def thin_pixels(pixels, on, codes, steps, deletable):
         if n_falling == 0:
             return
         lengths[half] = 0
-        # All fall at once: every decision above saw the map as the half-step found it.
+        # Pixels are removed together: each decision above saw the map before the half-step.
         for i in range(n_falling):
             on[falling[i]] = 0
         for i in range(n_falling):
