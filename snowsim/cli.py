@@ -302,7 +302,11 @@ def echo_scores(table):
 @click.option(
     "--bin-s", type=POSITIVE, help="Range bin of the scenes; else as they tell, or 2.886e-10."
 )
-@click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Distance of range lines.")
+@click.option(
+    "--line-spacing-m",
+    type=POSITIVE,
+    help="Distance of range lines of the scenes; else as they tell, or 5.2.",
+)
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Where to train.")
 @over_option
 @seed_option

@@ -12,7 +12,7 @@ import xarray as xr
 
 from snowsim.echogram import check_choice, to_uint8
 from snowsim.io.files import read_dataset
-from snowsim.io.pairs import check_empty, export_pairs
+from snowsim.io.pairs import SPACING, check_empty, export_pairs
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render_scene
@@ -20,6 +20,8 @@ from snowsim.progress import shown
 from snowsim.seeding import generator, random_stream
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
+# Notes of a scene: pixels of layers below its last range bin, and all that were drawn.
+CUT = ("n_pixels_cut", "n_pixels_drawn")
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,7 @@ class _Recipe:
     n_range_bins: int | None
     renderer: Callable | None  # None: PHY
     options: dict  # of `snowsim.phy.render_scene`
+    spacing: dict  # range bin [s] and line spacing [m] of the flight
 
 
 class Scenes(Sequence):
@@ -42,7 +45,8 @@ class Scenes(Sequence):
     deepest are in the image but in no mask.
 
     A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
-    them, `n_pixels_cut` of all `n_pixels_drawn`, and the first such scene warns.
+    them, `n_pixels_cut` of all `n_pixels_drawn`; `write` warns of their sum over all scenes,
+    `count_cut` gives it. Notes hold `bin_size_s` and `line_spacing_m`, too.
     """
 
     def __init__(self, indices, recipe):
@@ -66,37 +70,45 @@ class Scenes(Sequence):
 
     def scene(self, index):
         """`snowsim.echogram.Scene` of the same, with its layers and notes."""
+        scene = self._with_image(index)
+        if scene.notes.get("n_pixels_cut") and not self._warned:
+            self._warned = True
+            msg = (
+                f"n_range_bins={self._recipe.n_range_bins} cuts layers off {scene.name}, the first "
+                "of such scenes: count_cut() counts them in all; None cuts nothing"
+            )
+            warnings.warn(msg, UserWarning, stacklevel=3)
+        return scene
+
+    def count_cut(self):
+        """Number of pixels of layers that all scenes lose to `n_range_bins`, and of all drawn."""
+        drawn = [self._drawn(index)[0] for index in range(len(self))]
+        return tuple(sum(scene.notes.get(name, 0) for scene in drawn) for name in CUT)
+
+    def _with_image(self, index):
+        scene, rng = self._drawn(index)
+        if self._recipe.renderer is None:
+            rendered = render_scene(scene, rng=rng, **self._recipe.options)
+        else:
+            rendered = rendered_by(scene, self._recipe.renderer)
+        return dataclasses.replace(rendered, complete_layer_bins=scene.layer_bins)
+
+    def _drawn(self, index):
+        """A scene without an image, as high as asked for, and its random stream."""
         recipe = self._recipe
         number = self._indices[index]
         rng = random_stream(recipe.seed, "scenes", number)
-        name = f"drawn_{number:06d}"
-        scene = recipe.draw(name=name, rng=rng)
+        scene = recipe.draw(name=f"drawn_{number:06d}", rng=rng)
         if recipe.n_looks is not None:
             echoes = dataclasses.replace(scene.echoes, n_looks=recipe.n_looks)
             scene = dataclasses.replace(scene, echoes=echoes)
+        bins = scene.layer_bins[np.isfinite(scene.layer_bins)]
+        n_cut = 0
         if recipe.n_range_bins is not None:
-            scene = self._cut(scene)
-        if recipe.renderer is None:
-            rendered = render_scene(scene, rng=rng, **recipe.options)
-        else:
-            rendered = rendered_by(scene, recipe.renderer)
-        return dataclasses.replace(rendered, complete_layer_bins=scene.layer_bins)
-
-    def _cut(self, scene):
-        """The scene at the height asked for, with what that cuts off its mask in its notes."""
-        n_range_bins = self._recipe.n_range_bins
-        drawn = np.isfinite(scene.layer_bins)
-        n_drawn = int(drawn.sum())
-        n_cut = int((scene.layer_bins[drawn] >= n_range_bins - 0.5).sum())
-        if n_cut and not self._warned:
-            self._warned = True
-            msg = (
-                f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} pixels of layers off "
-                f"{scene.name}: notes of each scene count them (n_pixels_cut); None cuts nothing"
-            )
-            warnings.warn(msg, UserWarning, stacklevel=4)
-        notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
-        return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
+            n_cut = int((bins >= recipe.n_range_bins - 0.5).sum())
+            scene = dataclasses.replace(scene, n_range_bins=recipe.n_range_bins)
+        counts = dict(zip(CUT, (n_cut, bins.size), strict=True))
+        return dataclasses.replace(scene, notes=scene.notes | recipe.spacing | counts), rng
 
     def write(self, folder, *, indices=None, force=False):
         """Write all scenes, or those of `indices`, to a folder as image pairs.
@@ -108,7 +120,24 @@ class Scenes(Sequence):
         if not force:
             check_empty(folder)
         indices = shown(range(len(self)) if indices is None else indices, unit="scene")
-        return export_pairs(folder, (self.scene(index) for index in indices))
+        counts = []
+
+        def counted():
+            for index in indices:
+                scene = self._with_image(index)
+                counts.append([scene.notes[name] for name in CUT])
+                yield scene
+
+        written = export_pairs(folder, counted())
+        n_cut, n_drawn = np.sum(counts, axis=0)
+        if n_cut:
+            n_scenes = sum(n > 0 for n, _ in counts)
+            msg = (
+                f"n_range_bins={self._recipe.n_range_bins} cuts {n_cut} of {n_drawn} pixels of "
+                f"layers off {n_scenes} of {len(counts)} scenes; None cuts nothing"
+            )
+            warnings.warn(msg, UserWarning, stacklevel=2)
+        return written
 
 
 def rendered_by(scene, renderer):
@@ -206,5 +235,6 @@ def scenes(
         draw = partial(draw_scene, prepare(statistics, n_range_lines), n_range_lines)
     seed = int(generator(rng).integers(2**63))
     own = renderer if callable(renderer) else None
-    made = _Recipe(draw, n_range_lines, n_looks, seed, n_range_bins, own, options)
+    spacing = {name: float(statistics.attrs[name]) for name in SPACING}
+    made = _Recipe(draw, n_range_lines, n_looks, seed, n_range_bins, own, options, spacing)
     return Scenes(range(n), made)

@@ -30,6 +30,9 @@ from snowsim.training import check_device, load_weights
 WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10
+LINE_SPACING_M = 5.2
+SPACINGS = {"bin_size_s": ("range bins", "s"), "line_spacing_m": ("range lines", "m")}
+SAME = 1e-6  # relative difference up to which two spacings are the same
 ONE_IN = 10  # one scene in this many is held out for the calibration
 LEAST_SCORED = 10  # fewest held-out scenes for which a score is reported
 N_BOOTSTRAP = 1000
@@ -54,8 +57,8 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     bin_s : float or None
         Range bin of the scenes [s], for the card. If None, the one in the notes of the
         scenes, or `BIN_S` where these have none.
-    line_spacing_m : float
-        Distance between range lines of the scenes [m], for the card.
+    line_spacing_m : float or None
+        Distance between range lines of the scenes [m], for the card; if None, the same holds.
     device : str
         Where to train, `cpu` or `cuda`.
 
@@ -68,13 +71,14 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     Raises
     ------
     ValueError
-        If there are fewer than 2 scenes, if one cannot be trained on or has another range bin, if
+        If there are fewer than 2 scenes, if one cannot be trained on or has another spacing, if
         `start` is no tracker, or if `device` asks for a GPU and there is none.
     """
     check_device(device)
     scenes = ConcatDataset(sets)
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
-    bin_s = _bin_size_s(scenes, bin_s)
+    bin_s = _spacing(scenes, "bin_size_s", bin_s, BIN_S)
+    line_spacing_m = _spacing(scenes, "line_spacing_m", line_spacing_m, LINE_SPACING_M)
     for name, value in (("bin_s", bin_s), ("line_spacing_m", line_spacing_m)):
         check_values(name, value, *NUMBERS[name])
     known = {}
@@ -126,22 +130,24 @@ def held_out_score(probability, scenes):
     return told | {name: round(float(value), 4) for name, value in found.items()}
 
 
-def _bin_size_s(scenes, bin_s):
-    """Range bin [s]: as given, else in notes of scenes, else `BIN_S`; ValueError if two differ."""
+def _spacing(scenes, name, given, usual):
+    """A spacing as given, else in notes of scenes, else the usual; ValueError if two differ."""
+    what, unit = SPACINGS[name]
+    found = given
     for scene in scenes:
-        own_s = scene.notes.get("bin_size_s")
-        if own_s is None:
+        own = scene.notes.get(name)
+        if own is None:
             continue
-        bin_s = bin_s or own_s
-        if abs(own_s / bin_s - 1) > 1e-6:
+        found = found or own
+        if abs(own / found - 1) > SAME:
             msg = (
-                f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in "
-                f"scenes before it, found {own_s:.4g} s"
+                f"scene {scene.name}: expected {what} of {found:.4g} {unit}, as given or in "
+                f"scenes before it, found {own:.4g} {unit}"
             )
             raise ValueError(msg)
-    if bin_s is None:
-        warnings.warn(f"scenes tell no range bins: of {BIN_S:.4g} s assumed", stacklevel=3)
-    return bin_s or BIN_S
+    if found is None:
+        warnings.warn(f"scenes tell no {what}: of {usual:.4g} {unit} assumed", stacklevel=3)
+    return found or usual
 
 
 def network_of_tracker(name):

@@ -1,5 +1,6 @@
 """What people script with: a radar simulated, and scenes without a run."""
 
+import json
 import pickle
 
 import numpy as np
@@ -15,6 +16,7 @@ from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
 from snowsim.io import PairSet, read_dataset
+from snowsim.io.describe import describe
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 
@@ -248,7 +250,7 @@ def test_what_takes_seconds_shows_a_bar_on_a_terminal(monkeypatch, tmp_path, cap
     assert "0/2" in capsys.readouterr().err
 
 
-def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
+def test_a_scene_says_what_its_height_cuts_and_the_first_warns(tmp_path):
     low = snowsim.scenes(4, rng=1, n_range_lines=64, n_range_bins=64)
     with pytest.warns(UserWarning, match="n_range_bins=64 cuts") as warned:
         scenes = [low.scene(i) for i in range(4)]
@@ -258,3 +260,21 @@ def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
         assert scene.notes["n_pixels_drawn"] == n_drawn
         # No two layers share a pixel, so the mask holds what is not cut.
         assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()
+    n_cut, n_drawn = low.count_cut()
+    assert (n_cut, n_drawn) == tuple(
+        sum(scene.notes[name] for scene in scenes) for name in ("n_pixels_cut", "n_pixels_drawn")
+    )
+    told = f"n_range_bins=64 cuts {n_cut} of {n_drawn} pixels of layers off 4 of 4 scenes"
+    with pytest.warns(UserWarning, match=told) as warned:
+        low.write(tmp_path / "low")
+    assert len(warned) == 1
+
+
+def test_pairs_have_the_spacing_of_their_flight_beside_them(tmp_path):
+    flight = read_dataset(REFERENCE).assign_attrs(bin_size_s=1.2e-10, line_spacing_m=7.25)
+    snowsim.scenes(2, rng=1, statistics=flight, n_range_lines=32).write(tmp_path / "mine")
+    spacing = {"bin_size_s": 1.2e-10, "line_spacing_m": 7.25}
+    assert json.loads((tmp_path / "mine/spacing.json").read_text()) == spacing
+    for scene in PairSet(tmp_path / "mine/all.lst"):
+        assert scene.notes == spacing
+    assert "range bins of 1.2e-10 s" in describe(tmp_path / "mine")[0]["sizes"]

@@ -1,9 +1,12 @@
 """A tracker trained on a user's own scenes: what it starts from, holds out and writes."""
 
+import dataclasses
+
+import pytest
 from refusals import refusal
 from toy_scenes import toy_scenes, with_ridges
 
-from snowsim.io import read_tracker
+from snowsim.io import PairSet, export_pairs, read_tracker
 from snowsim.learning import held_out_score, network_of_tracker, train_tracker
 from snowsim.tracker import checked_card
 
@@ -75,6 +78,24 @@ def test_range_bins_are_those_in_the_scenes_notes_and_all_the_same(tmp_path):
     assert card["bin_s"] == 3e-10
     with refusal("expected range bins of 2e-10 s, .* found 3e-10 s"):
         train(tmp_path / "other.onnx", scenes)
+
+
+def test_both_spacings_are_those_beside_the_pairs(tmp_path):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(3))]
+    for scene in scenes:
+        scene.notes.update(bin_size_s=1.5e-10, line_spacing_m=9.0)
+    export_pairs(tmp_path / "pairs", scenes)
+    pairs = PairSet(tmp_path / "pairs")
+    card = train(tmp_path / "mine.onnx", pairs, bin_s=None, line_spacing_m=None)
+    assert (card["bin_s"], card["line_spacing_m"]) == (1.5e-10, 9.0)
+    with refusal("expected range lines of 8 m, .* found 9 m"):
+        train(tmp_path / "other.onnx", pairs, bin_s=None, line_spacing_m=8.0)
+    with pytest.warns(UserWarning, match="^scenes tell no range") as warned:
+        train(tmp_path / "third.onnx", toy_scenes(3), bin_s=None, line_spacing_m=None)
+    assert [str(each.message) for each in warned] == [
+        "scenes tell no range bins: of 2.886e-10 s assumed",
+        "scenes tell no range lines: of 5.2 m assumed",
+    ]
 
 
 def test_a_gpu_that_is_not_there_is_refused_before_anything_is_read(tmp_path, monkeypatch):

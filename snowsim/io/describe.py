@@ -9,7 +9,7 @@ from snowsim.alignment import bin_size_s
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
-from snowsim.io.pairs import ANY_GREY, PairSet, read_image
+from snowsim.io.pairs import ANY_GREY, SPACING, PairSet, read_image
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.progress import shown
@@ -50,15 +50,19 @@ def _image(values):
 
 
 def _described_scenes(what, scenes):
-    sizes = [
-        (scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins))
-        for scene in shown(scenes, unit="scene")
-    ]
+    sizes = []
+    spacings = {name: set() for name in SPACING}
+    for scene in shown(scenes, unit="scene"):
+        sizes.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
+        for name in spacings.keys() & scene.notes.keys():
+            spacings[name].add(scene.notes[name])
     least, most = np.min(sizes, axis=0), np.max(sizes, axis=0)
     names = ("range bins", "range lines", "layers")
     spans = []
     for name, low, high in zip(names, least, most, strict=True):
         spans.append(f"{low} {name}" if low == high else f"{low} to {high} {name}")
+    spans += [f"range bins of {value:.4g} s" for value in sorted(spacings["bin_size_s"])]
+    spans += [f"range lines {value:g} m apart" for value in sorted(spacings["line_spacing_m"])]
     return {"format": what, "sizes": f"{len(sizes)} scenes of {', '.join(spans)}"}, None
 
 

@@ -1,6 +1,8 @@
 """Image pairs in the layout of the published benchmark, read and written."""
 
+import dataclasses
 import io
+import json
 import re
 import warnings
 from collections.abc import Sequence
@@ -21,6 +23,7 @@ from snowsim.io.files import (
     report,
     write_bytes,
 )
+from snowsim.limits import check_values
 from snowsim.progress import shown
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
@@ -89,6 +92,9 @@ def write_image(path, image, numbers=None):
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
 THICKEST_PIXELS = 15  # of a layer in a column, in the median
+# File beside the images with their range bin [s] and line spacing [m], by these names in JSON.
+SPACING_FILE = "spacing.json"
+SPACING = ("bin_size_s", "line_spacing_m")
 LABEL_PREFIXES = ("layer_", "layer_binary_")
 
 
@@ -105,6 +111,9 @@ class PairSet(Sequence):
     column is then layer k - 1 there, so below a gap in a layer the deeper ones count up by one;
     positions, and the mask itself, stay exact. A run of several pixels counts at its middle. Where
     both labels are there, they must agree.
+
+    Of a file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m":
+    5.2}``, the `notes` of every scene have the same.
     """
 
     def __init__(self, path):
@@ -118,6 +127,7 @@ class PairSet(Sequence):
         for file in self._paths:
             _check_png(file)
         self.names = [scene_name(file) for file in self._paths]
+        self._spacing = {folder: read_spacing(folder) for folder in {f.parent for f in self._paths}}
         missing = [file.name for file in self._paths if not file.is_file()]
         twice = {name for name in self.names if self.names.count(name) > 1}
         if not self.names or missing or twice:
@@ -132,7 +142,9 @@ class PairSet(Sequence):
         return len(self._paths)
 
     def __getitem__(self, item):
-        return read_pair(self._paths[item])
+        path = self._paths[item]
+        scene = read_pair(path)
+        return dataclasses.replace(scene, notes=scene.notes | self._spacing[path.parent])
 
     def files(self, span):
         """Files a slice of scenes is read from: images and labels."""
@@ -169,6 +181,25 @@ class PairSet(Sequence):
                 failed.append(f"{row['name']}: {expected}, found {row['n_range_lines']}")
         report(failed, f"{len(failed)} of {len(self)} scenes fail:")
         return rows
+
+
+def read_spacing(folder):
+    """Range bin [s] and line spacing [m] of the images in a folder, one or both; {} if none says.
+
+    ValueError for other names and for what is no positive number.
+    """
+    path = Path(folder) / SPACING_FILE
+    if not path.is_file():
+        return {}
+    expected = f"{{{', '.join(SPACING)}}}, positive numbers [s, m]"
+    with library_errors(path, f"JSON: expected {expected}"):
+        held = json.loads(path.read_text(encoding="utf-8"))
+    is_known = isinstance(held, dict) and held.keys() <= set(SPACING)
+    if not is_known or not all(type(value) in (int, float) for value in held.values()):
+        raise refusal(path, "spacing", expected, held)
+    for name, value in held.items():
+        check_values(f"{path}: {name}", value, 0, above=True)
+    return held
 
 
 def tells_db(scene):
@@ -294,8 +325,9 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     For each scene `data_<name>.png` (8-bit), `layer_binary_<name>.png` (1-bit) and
     `layer_<name>.png` (layer numbers, the surface being 1), then a list file with one `data_*.png`
     a line: what the loader of the published tracker code reads. Decibels of the grey levels go into
-    text chunks of the image. The same scenes give the same bytes. Read back, images are exact and
-    layers are rounded to whole bins; what leaves the window is not drawn.
+    text chunks of the image; range bin and line spacing that all scenes have in their notes, into
+    ``spacing.json``, see `PairSet`. The same scenes give the same bytes. Read back, images are
+    exact and layers are rounded to whole bins; what leaves the window is not drawn.
 
     Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the
     "annotated" or, for scenes that know both, the "complete" layers. Returned are `n_scenes` and
@@ -306,6 +338,7 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     check_choice("layers", layers, LAYERS)
     names = []
     n_merged = 0
+    spacings = {name: [] for name in SPACING}
     for scene in scenes:
         if not NAME.fullmatch(scene.name) or scene.name in names:
             expected = f"{PLAIN_NAME}, unlike all others"
@@ -323,7 +356,12 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
         write_image(folder / f"layer_{scene.name}.png", numbers)
         names.append(scene.name)
         n_merged += merged
+        for name, values in spacings.items():
+            values.append(scene.notes.get(name))
     write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
+    alike = {name: values[0] for name, values in spacings.items() if len(set(values)) == 1}
+    if told := {name: value for name, value in alike.items() if value is not None}:
+        write_bytes(folder / SPACING_FILE, f"{json.dumps(told)}\n".encode())
     return {"n_scenes": len(names), "n_merged_pixels": n_merged}
 
 

@@ -43,6 +43,38 @@ def test_pairs_come_back_exactly_but_for_whole_bins(tmp_path, exported, scenes):
         assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes()
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("{", "JSON: expected {bin_size_s, line_spacing_m}, positive numbers"),
+        ('{"bin_s": 2e-10}', "spacing: expected {bin_size_s, line_spacing_m}, .*found {'bin_s'"),
+        ('{"bin_size_s": "2e-10"}', "spacing: expected .*positive numbers"),
+        ("[2e-10, 5.0]", "spacing: expected .*positive numbers"),
+        ('{"line_spacing_m": -5.0}', "line_spacing_m must be finite, above 0"),
+        ('{"line_spacing_m": NaN}', "line_spacing_m must be finite, above 0"),
+        ('{"line_spacing_m": true}', "spacing: expected .*positive numbers"),
+    ],
+)
+def test_a_spacing_that_says_no_numbers_by_its_names_is_refused(exported, text, told):
+    (exported / "spacing.json").write_text(text)
+    with refusal(f"spacing.json: {told}"):
+        PairSet(exported)
+
+
+def test_beside_pairs_lies_the_spacing_that_all_scenes_have(tmp_path, scenes):
+    for number, scene in enumerate(scenes):
+        scene.notes["line_spacing_m"] = 4.0 + (number == 2)
+    export_pairs(tmp_path / "unlike", scenes)
+    bins = {"bin_size_s": scenes[0].notes["bin_size_s"]}
+    assert PairSet(tmp_path / "unlike")[1].notes == bins
+    export_pairs(tmp_path / "alike", scenes[:2])
+    assert PairSet(tmp_path / "alike")[1].notes == bins | {"line_spacing_m": 4.0}
+    for scene in scenes:
+        scene.notes.clear()
+    export_pairs(tmp_path / "mute", scenes)
+    assert not (tmp_path / "mute/spacing.json").exists()
+
+
 def test_the_published_loader_finds_every_pair(exported, scenes):
     # What BinaLab/MultiScale's SnowData does with a list: read names, put layer_binary_ for data_,
     # take grey > 0.

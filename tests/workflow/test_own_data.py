@@ -1,5 +1,6 @@
 """The workflow on files of other flights: every source, worked examples, export and back."""
 
+import dataclasses
 import shutil
 from copy import deepcopy
 
@@ -21,9 +22,11 @@ from runs import (
     text_of,
 )
 from snakemake.utils import update_config
+from toy_scenes import toy_scenes
 
 from lib.configuration import filled
-from snowsim.io import SceneSet, read_frames
+from lib.sources import check_lists
+from snowsim.io import SceneSet, export_pairs, read_frames
 from snowsim.statistics import fit
 
 EXAMPLES = sorted((ROOT / "config/examples").glob("*.yaml"))
@@ -65,6 +68,20 @@ def test_a_scene_in_two_lists_stops_before_any_job(tmp_path):
     configs = write_own(tmp_path / "run", "png_pairs", pairs={"folder": str(tmp_path)})
     expected = "test.lst: expected scenes that are in no other list, found 1 in train.lst too"
     assert expected in refused(tmp_path / "run", configs)
+
+
+def test_pairs_whose_spacing_the_configuration_contradicts_are_refused(tmp_path):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
+    for scene in scenes:
+        scene.notes["bin_size_s"] = 1.1e-10
+    export_pairs(tmp_path, scenes)
+    lists = {"train": tmp_path / "all.lst"}
+    settings = {"data_scale": None, "contrast_db": 30.0}
+    said = {"bin_size_s": ("import.bin_s", 2.886e-10), "line_spacing_m": ("a", 5.0)}
+    with pytest.raises(ValueError, match="config: import.bin_s: expected 1.1e-10, as spacing.json"):
+        check_lists(lists, **settings, spacing=said)
+    told = said | {"bin_size_s": ("import.bin_s", 1.1e-10)}
+    assert len(check_lists(lists, **settings, spacing=told)) == 2
 
 
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):

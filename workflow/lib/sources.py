@@ -136,19 +136,25 @@ def own_pairs(folder, lists):
     return pairs
 
 
-def check_lists(lists, *, contrast_db):
+def check_lists(lists, *, contrast_db, spacing):
     """Table of every scene in the lists, with its split.
 
     One ValueError names all scenes that cannot be read. All scenes must have the same number of
-    range lines; without `contrast_db`, train scenes must say what their grey levels stand for.
+    range lines; without `contrast_db`, train scenes must say what their grey levels stand for. What
+    a folder says of its range bin and line spacing must be what the configuration says, `spacing`.
     """
     import pandas as pd
 
-    from snowsim.io.pairs import PairSet
+    from snowsim.io.pairs import SPACING_FILE, PairSet, read_spacing
 
     rows = []
     failed = []
     for split, path in lists.items():
+        for name, value in read_spacing(Path(path).parent).items():
+            key, said = spacing[name]
+            if abs(value / said - 1) > 1e-6:
+                beside = f"as {SPACING_FILE} beside {path} says"
+                failed.append(f"config: {key}: expected {value:g}, {beside}, got {said:g}")
         try:
             checked = PairSet(path).check()
             rows += [{"split": split, **row} for row in checked]

@@ -74,6 +74,10 @@ elif SOURCE == "png_pairs":
         params:
             lists=LISTS,
             contrast_db=PAIRS["contrast_db"],
+            spacing={
+                "bin_size_s": ("import.bin_s", BIN_S),
+                "line_spacing_m": ("import.pairs.line_spacing_m", PAIRS["line_spacing_m"]),
+            },
         message:
             "check of all scenes"
         script:

@@ -9,5 +9,6 @@ with job(snakemake):
     checked = check_lists(
         snakemake.params.lists,
         contrast_db=snakemake.params.contrast_db,
+        spacing=snakemake.params.spacing,
     )
     write_table(snakemake.output.table, checked)
