@@ -141,7 +141,10 @@ class Scenes(Sequence):
 
 
 def rendered_by(scene, renderer):
-    """The scene with the image, or of the linear power, that someone's own renderer makes of it."""
+    """The scene as someone's own renderer draws it: uint8 is grey levels, floats are linear power.
+
+    ValueError for other types, and for floats that no power has.
+    """
     image = np.asarray(renderer(scene))
     shape = (scene.n_range_bins, scene.n_range_lines)
     if image.shape != shape:
@@ -149,9 +152,28 @@ def rendered_by(scene, renderer):
         raise ValueError(msg)
     levels = {}
     if image.dtype != np.uint8:
+        _check_power(image, scene.name)
         image, noise_floor_db, maximum_db = to_uint8(image)
         levels = {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
     return dataclasses.replace(scene, image=image, echoes=None, **levels)
+
+
+def _check_power(image, name):
+    """Refuse what is no linear power: other types, negative, missing or infinite values, greys."""
+    found = None
+    if image.dtype.kind != "f":
+        found = f"type {image.dtype}"
+    elif not np.isfinite(image).all() or (image <= 0).any():
+        bad = image[~(np.isfinite(image) & (image > 0))]
+        found = f"{bad[0]:g} on {bad.size} of {image.size} pixels"
+    elif (image == np.rint(image)).all() and image.max() <= 255:
+        found = f"whole numbers from {image.min():g} to {image.max():g} alone"
+    if found is not None:
+        msg = (
+            f"renderer: expected linear power, floats above 0, or grey levels as uint8 "
+            f"(image.astype(np.uint8)), of scene {name}, found {found}"
+        )
+        raise ValueError(msg)
 
 
 def scenes(
@@ -175,8 +197,9 @@ def scenes(
         Statistics of a flight: those of the synthetic reference flight, which come with the
         package, or others of `snowsim.statistics`.
     renderer : "phy" or callable, optional
-        PHY, or any function of a `snowsim.echogram.Scene` with its layers and echoes: it gives an
-        image, uint8, or linear power, (range_bin, range_line). What it draws should come from
+        PHY, or any function of a `snowsim.echogram.Scene` with its layers and echoes: it gives
+        (range_bin, range_line) of uint8, grey levels, or of floats, linear power above 0. What it
+        draws should come from
         ``snowsim.seeding.random_stream(seed, scene.name)``.
     rng : int or numpy.random.Generator
         Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
@@ -200,7 +223,7 @@ def scenes(
     ------
     ValueError
         If a choice is unknown, statistics lack what scenes are drawn from, or a renderer gives no
-        image of a scene.
+        image of a scene: another shape or type, or floats that no power has.
 
     Examples
     --------

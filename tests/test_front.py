@@ -239,6 +239,45 @@ def test_any_function_of_a_scene_renders():
     assert image[mask > 0].min() > np.median(image)
 
 
+@pytest.mark.parametrize(
+    ("drawn_as", "found"),
+    [
+        (lambda noise: np.rint(200 * noise.clip(0, 1)) + 3, "whole numbers from 3 to 203 alone"),
+        (lambda noise: np.rint(60 * noise.clip(0.1, 1)).astype(np.float32), "whole numbers from 6"),
+        (lambda noise: 10 * np.log10(noise), "-.* pixels"),
+        (lambda noise: np.where(noise < 0.1, np.nan, noise), "nan on .* pixels"),
+        (lambda noise: np.where(noise > 2, 0, noise), "0 on .* pixels"),
+        (lambda noise: np.where(noise > 2, np.inf, noise), "inf on .* pixels"),
+        (lambda noise: (100 * noise).astype(np.int64), "type int64"),
+        (lambda noise: (100 * noise).astype(np.uint16), "type uint16"),
+        (lambda noise: noise > 1, "type bool"),
+        (lambda noise: noise + 1j, "type complex128"),
+    ],
+)
+def test_what_no_power_is_is_refused_of_a_renderer_by_naming_uint8(drawn_as, found):
+    def rendered(scene):
+        rng = random_stream(5, scene.name)
+        return drawn_as(rng.exponential(size=(scene.n_range_bins, scene.n_range_lines)))
+
+    mine = snowsim.scenes(1, rng=1, n_range_lines=32, renderer=rendered)
+    with refusal(f"grey levels as uint8 .*drawn_000000, found {found}"):
+        mine[0]
+
+
+def test_the_type_of_an_image_says_what_it_is():
+    def rendered(scene):
+        rng = random_stream(5, scene.name)
+        return rng.uniform(1, 250, size=(scene.n_range_bins, 32))
+
+    power = snowsim.scenes(1, rng=1, n_range_lines=32, renderer=rendered)
+    grey = snowsim.scenes(
+        1, rng=1, n_range_lines=32, renderer=lambda scene: rendered(scene).astype(np.uint8)
+    )
+    assert_array_equal(grey[0][0], rendered(grey.scene(0)).astype(np.uint8))
+    assert np.isfinite(power.scene(0).maximum_db)
+    assert np.isnan(grey.scene(0).maximum_db)
+
+
 def test_a_mirror_is_told_that_its_speckle_is_full():
     with pytest.warns(UserWarning, match="roughness_m is 0, but speckle is full"):
         snowsim.simulate(snowsim.Snowpack(**SNOW, roughness_m=0), "snow-2-8", rng=1)
