@@ -36,6 +36,12 @@ INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 DEGREES = {"Latitude": 90, "Longitude": 360}
+# Power that lies so far below all other was not recorded, as people write tiny numbers in place of
+# zero. Between neighbours in order of power lie at most 9 dB in simulated frames of one look, 0 in
+# those of five; below the other pixels, a true row of air 60 dB down leaves 42 dB free, 2e-16 in
+# place of noise 80 dB and more (five looks). Means of rows tell it from one look, too: 88 dB.
+FAR_PIXEL_DB = 50
+FAR_ROW_DB = 70
 
 
 class Kind(IntEnum):
@@ -225,7 +231,7 @@ def echogram_dataset(where, content, attributes):
             if name in UNITS:
                 dataset[name].attrs["units"] = UNITS[name]
     check_echogram(dataset, str(where))
-    return dataset
+    return as_recorded(dataset)
 
 
 @contextmanager
@@ -312,13 +318,56 @@ def to_db(power):
         return 10 * np.log10(power)
 
 
+def recorded(power):
+    """Linear power (range_bin, range_line), NaN where it lies far below all other power.
+
+    That is a pixel 50 dB, or a row whose mean of decibels lies 70 dB, below the next stronger one,
+    if most pixels, or rows, are stronger. Zero and less stay as they are.
+    """
+    positive = power > 0
+    if not positive.any() or not _may_have_gap(power, positive):
+        return power
+    power_db = to_db(np.where(positive, power, np.nan).astype(float))
+    counts = positive.sum(axis=1)
+    mean_db = np.nansum(power_db, axis=1) / np.maximum(counts, 1)
+    rows = counts > 0
+    is_far = power_db < _above_gap(power_db[positive], FAR_PIXEL_DB)
+    is_far |= positive & (mean_db < _above_gap(mean_db[rows], FAR_ROW_DB))[:, None]
+    return np.where(is_far, np.nan, power) if is_far.any() else power
+
+
+def _may_have_gap(power, positive):
+    """Whether power may lie in two parts: quick, on some pixels, with a margin for their median."""
+    some = power.flat[:: 1 + power.size // 100_000]
+    some = some[some > 0]
+    least = power.min(where=positive, initial=np.inf)
+    return some.size == 0 or to_db(np.median(some)) - to_db(least) > FAR_PIXEL_DB / 2
+
+
+def _above_gap(values_db, gap_db):
+    """Least of the values above the uppermost gap so wide that has most values above; else -inf."""
+    low_db = values_db.min()
+    counts = np.bincount(np.floor(values_db - low_db).astype(int))
+    held = np.flatnonzero(counts)
+    above = np.cumsum(counts[::-1])[::-1][held]
+    ends = np.flatnonzero((np.diff(held) > gap_db) & (2 * above[1:] > values_db.size))
+    return low_db + held[ends[-1] + 1] if ends.size else -np.inf
+
+
+def as_recorded(dataset):
+    """The dataset of an echogram, checked before, with NaN in `Data` as by `recorded`."""
+    data = dataset["Data"].transpose("twtt", "slow_time")
+    return dataset.assign(Data=data.copy(data=recorded(data.values)))
+
+
 def to_uint8(power):
     """8-bit image of linear power: 0 is ``noise_floor_db - 10`` and below, 255 the maximum.
 
     Parameters
     ----------
     power : array_like, (range_bin, range_line)
-        Linear; ValueError unless positive and finite everywhere, and not all the same.
+        Linear; ValueError unless positive and finite everywhere, not far below all other, see
+        `recorded`, and not all the same.
 
     Returns
     -------
@@ -334,6 +383,14 @@ def to_uint8(power):
         msg = (
             "power must be positive and finite, "
             f"got {power[row, line]} at range_bin {row}, range_line {line}"
+        )
+        raise ValueError(msg)
+    missing = np.isnan(recorded(power))
+    if missing.any():
+        row, line = np.argwhere(missing)[0]
+        msg = (
+            f"power must be what was recorded, got {power[row, line]:.3g} at range_bin {row}, "
+            f"range_line {line}: {missing.sum()} pixels lie far below all others"
         )
         raise ValueError(msg)
     power_db = 10 * np.log10(power)

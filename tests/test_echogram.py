@@ -6,6 +6,7 @@ from refusals import refusal
 
 from snowsim import echogram as eg
 from snowsim.alignment import along_track_m
+from snowsim.io import echogram, read_echogram
 
 
 def make_echogram(n_lines=6):
@@ -106,3 +107,62 @@ def test_a_line_without_position_spoils_no_distance_but_its_own():
     assert np.isnan(distance_m[[0, 6]]).all()
     # From the first that is known; even steps are those of the whole, to some bits of 3 sums.
     assert_allclose(distance_m[1:6], whole_m[1:6] - whole_m[1], rtol=1e-9, atol=1e-6)
+
+
+def noise_with(rows, power, n_looks, rng):
+    """Noise with a ramp of 20 dB down, and rows of other power."""
+    ramp = np.geomspace(1e-9, 1e-7, 400)[:, None]
+    noise = rng.gamma(n_looks, 1 / n_looks, size=(400, 300)) * ramp
+    noise[rows] = power
+    return noise
+
+
+@pytest.mark.parametrize("n_looks", [1, 6])
+@pytest.mark.parametrize("power", [1e-20, 1e-33, 1e-300])
+@pytest.mark.parametrize("rows", [[17], range(31), range(390, 400), [3, 200]])
+def test_rows_of_a_tiny_number_were_not_recorded(n_looks, power, rows, rng):
+    noise = noise_with(rows, power, n_looks, rng)
+    found = eg.recorded(noise)
+    assert_array_equal(np.flatnonzero(np.isnan(found).any(axis=1)), rows)
+    assert np.isnan(found[rows]).all()
+    kept = np.isfinite(found)
+    assert_array_equal(found[kept], noise[kept])
+    with refusal("power must be what was recorded, got 1e-.* pixels lie far below all others"):
+        eg.to_uint8(noise)
+
+
+def test_a_band_that_is_as_deep_as_each_line_says_was_not_recorded(rng):
+    noise = noise_with([], 0, 6, rng)
+    band = np.arange(400)[:, None] < 20 + 10 * np.sin(np.arange(300) / 20)
+    noise[band] = 3e-22
+    # Two tiny numbers, and zeros, which stay as they are.
+    noise[-1] = 1e-37
+    noise[5] = 0
+    band[-1] = True
+    band[5] = False
+    assert_array_equal(np.isnan(eg.recorded(noise)), band)
+
+
+@pytest.mark.parametrize("n_looks", [1, 6])
+def test_a_true_row_of_air_60_db_down_and_weak_pixels_were_recorded(n_looks, rng):
+    noise = noise_with([], 0, n_looks, rng)
+    noise[9] *= 1e-6
+    noise[30, 30] *= 1e-4
+    # A saturated line, and a scene that is mostly one level.
+    noise[:, 7] *= 1e9
+    assert eg.recorded(noise) is noise
+    quiet = np.full((400, 300), 1e-20)
+    quiet[50:60] = 1
+    assert eg.recorded(quiet) is quiet
+    eg.to_uint8(quiet)
+
+
+def test_reading_leaves_out_what_was_not_recorded(rng, tmp_path):
+    noise = noise_with([4, 5], 5e-25, 6, rng)
+    twtt = 1e-6 + 3e-10 * np.arange(400)
+    made = echogram(noise, twtt=twtt)
+    stored = made_up_frame(noise, np.full((1, 300), 60.0))[0]
+    stored.to_netcdf(tmp_path / "frame.nc")
+    for frame in (made, read_echogram(tmp_path / "frame.nc")):
+        missing = np.isnan(frame["Data"].values).any(axis=1)
+        assert_array_equal(np.flatnonzero(missing), [4, 5])

@@ -12,6 +12,7 @@ from snowsim.echogram import (
     ALONG_TRACK,
     MAXIMUM_BYTES,
     UNITS,
+    as_recorded,
     check_echogram,
     echogram_dataset,
     named_frame,
@@ -78,8 +79,9 @@ def read_echogram(path, *, compensated=False, source=None):
     -------
     xarray.Dataset
         Coordinates `slow_time` [UTC] and `twtt` [s]; `Data` (twtt, slow_time) in linear power, NaN
-        where nothing was recorded; `Latitude`, `Longitude`, `Elevation`, `Surface` along slow_time,
-        and what else the file has.
+        where nothing was recorded, also where power lies far below all other, see
+        `snowsim.echogram.recorded`; `Latitude`, `Longitude`, `Elevation`, `Surface` along
+        slow_time, and what else the file has.
 
     Raises
     ------
@@ -132,7 +134,7 @@ def read_opr(stored):
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
         dataset["Surface"] = unknown.assign_attrs(units="s")
     check_echogram(dataset, str(stored.path))
-    return dataset.transpose("twtt", "slow_time", ...)
+    return as_recorded(dataset.transpose("twtt", "slow_time", ...))
 
 
 def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):

@@ -12,7 +12,14 @@ import xarray as xr
 
 from snowsim.alignment import along_track_m, bin_size_s, levelled, resample_range
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import DB_BELOW_NOISE_FLOOR, SURFACE_ROW, check_echogram, to_db, to_grey
+from snowsim.echogram import (
+    DB_BELOW_NOISE_FLOOR,
+    SURFACE_ROW,
+    as_recorded,
+    check_echogram,
+    to_db,
+    to_grey,
+)
 from snowsim.limits import check_count, check_values
 from snowsim.tracker.surface import SMOOTH_LINES, find_surface, select_surface, without_outliers
 
@@ -131,7 +138,7 @@ def canonical(echogram, card, where="echogram"):
     recorded, or the echogram has no contrast.
     """
     _check(echogram, card, where)
-    echogram = echogram.transpose("twtt", "slow_time", ...)
+    echogram = as_recorded(echogram.transpose("twtt", "slow_time", ...))
     first_s = float(echogram["twtt"].values[0])
     # Files have zero where the surface was not tracked.
     given_s = echogram["Surface"].where(echogram["Surface"] > 0).values.astype(float)

@@ -240,6 +240,21 @@ def test_good_picks_of_simulated_snow_are_right_as_often_as_the_card_says(radar)
     assert (away_s[good] < 2 * tracker.card.bin_s).mean() > 0.9
 
 
+@pytest.mark.parametrize("rows", [slice(6, 7), slice(-15, None)])
+def test_rows_of_a_tiny_number_do_not_change_what_is_found(rows):
+    tracker = Tracker.from_pretrained()
+    echogram, _ = simulate(Climate(accumulation_m=0.35), "snow-2012", n_range_lines=256, rng=6)
+    clean = tracker.pick(echogram)
+    for power in (7e-17, 2e-36):
+        padded = echogram.copy(deep=True)
+        padded["Data"][rows] = power
+        found = tracker.pick(padded)
+        assert found.sizes == clean.sizes
+        # The scale of grey is the same; the network sees the grey of the noise floor there.
+        off_bins = np.abs(found["twtt"].values - clean["twtt"].values) / bin_size_s(echogram)
+        assert np.nanmean(off_bins < 0.5) > 0.98
+
+
 def test_probability_lies_on_the_echograms_own_axes(tracker, rng):
     echogram, layers = planted(rng, bin_s=1.9e-10, spacing_m=2.6)
     probability = tracker.annotate(echogram)
