@@ -96,7 +96,8 @@ class Canonical:
 
     `noise_floor_db` and `maximum_db` are those of `snowsim.echogram.to_uint8`. `surface_db` is the
     largest power of every own line. `notes` say what limits the layers of this echogram. `outside`
-    is whether the echogram lies outside the ranges of the tracker's card.
+    is whether no pick may have quality 1, as of echograms outside the ranges of the tracker's card.
+    `surface_found` is whether the surface is that of the rise of power and not of the file.
     """
 
     echogram: xr.Dataset
@@ -106,6 +107,7 @@ class Canonical:
     surface_db: np.ndarray
     notes: tuple
     outside: bool
+    surface_found: bool
 
     @property
     def recorded(self):
@@ -147,7 +149,9 @@ def canonical(echogram, card, where="echogram"):
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
     n_known = np.isfinite(survey.surface).sum()
     check_count(f"{where}: range lines with 30 range bins or more of measured power", n_known)
-    surface, reason = select_surface(given, survey.surface, survey.rise_share, n_bins)
+    # Echoes of a radar with coarser bins are as much wider.
+    coarseness = max(1.0, bin_size_s(echogram) / card.bin_s) if outside else 1.0
+    surface, reason = select_surface(given, survey.surface, survey.rise_share, n_bins, coarseness)
     noise_floor_db = float(np.nanmedian(survey.noise_floor_db))
     maximum_db = float(np.nanmedian(survey.maximum_db))
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
@@ -155,7 +159,16 @@ def canonical(echogram, card, where="echogram"):
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     notes = tuple(note for note in (*notes, reason) if note is not None)
     surface_db = survey.largest_db
-    return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes, outside)
+    return Canonical(
+        echogram,
+        grid,
+        noise_floor_db,
+        maximum_db,
+        surface_db,
+        notes,
+        outside,
+        surface_found=reason is not None,
+    )
 
 
 def _check(echogram, card, where):

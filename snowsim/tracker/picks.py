@@ -16,6 +16,9 @@ from snowsim.tracker.windows import log_odds_by_lines, to_input
 
 SURFACE_ROWS = 3.0  # a candidate within this distance of the surface is the surface
 MEAN_OVER = (5, 33)  # rows and range lines over which echoes are told from noise
+# No surface is where power rises most but the network detects nothing. In simulations this holds on
+# at most .06 of the lines, in frames that are upside down on .31 or more.
+UNSEEN_SHARE = 0.2
 CERTAIN = (1e-6, 1 - 1e-6)  # probabilities are clipped to these
 
 
@@ -84,13 +87,15 @@ class Evidence:
     """Candidates for layers in a frame, and its surface, without the samples of the frame.
 
     On range lines of the canonical image, `surface` is the row of the surface and `surface_excess`
-    the log-odds of the surface above the tracker's threshold.
+    the log-odds of the surface above the tracker's threshold. `surface_unseen` are the lines, bool,
+    on which power rises at this surface but the network detects nothing there.
     """
 
     canonical: Canonical
     candidates: Candidates
     surface: np.ndarray
     surface_excess: np.ndarray
+    surface_unseen: np.ndarray
 
     @property
     def slow_time(self):
@@ -144,7 +149,17 @@ def _split_surface(canonical, candidates, threshold):
     excess[line[near]] = candidates.log_odds[near] - (threshold + LINKING.even_log_odds)
     below = candidates.row > rows[line] + LINKING.apart_rows
     inside = candidates.row < grid.bottom[line] - LINKING.apart_rows
-    return Evidence(canonical, candidates.where(below & inside), rows, excess)
+    seen = np.isin(np.arange(rows.size), line[near])
+    unseen = canonical.recorded & ~seen & canonical.surface_found
+    n_lines = canonical.recorded.sum()
+    if unseen.sum() > UNSEEN_SHARE * n_lines:
+        note = (
+            f"no surface is detected on {unseen.sum()} of {n_lines} range lines where power rises "
+            "most: is the frame upside down, its surface outside the window, or the radar another "
+            "one than the tracker's? no pick has quality 1"
+        )
+        canonical = replace(canonical, notes=(*canonical.notes, note), outside=True)
+    return Evidence(canonical, candidates.where(below & inside), rows, excess, unseen)
 
 
 def layers_of_frames(frames, card):
@@ -158,6 +173,8 @@ def layers_of_frames(frames, card):
     found = join(link(candidates, LINKING, card.threshold_log_odds))
     surface = _surface(frames)
     sure = confidence(surface, n_lines, card.confidence)
+    unseen = np.concatenate([frame.surface_unseen for frame in frames])
+    sure[unseen[surface.line]] = 0  # of such lines hardly one is right
     pieces = [(surface, sure), *confident_pieces(found, n_lines, card.confidence)]
     layers = []
     first_line = 0

@@ -85,29 +85,29 @@ def without_outliers(bins):
     return np.where(np.abs(bins - smooth) > OUTLIER_BINS, smooth, bins)
 
 
-def select_surface(given, found, share, n_bins):
+def select_surface(given, found, share, n_bins, coarseness=1.0):
     """Surface to use, and a note if it is not the given one, else None.
 
     The given surface is used where it agrees with the one found. Both are range bins by range
-    line, NaN where unknown; gaps are filled. `share` is that of `find_surface`.
+    line, NaN where unknown; gaps are filled. `share` is that of `find_surface`. Where the
+    echogram's range bins are `coarseness` times larger than the tracker's, so are tolerances.
     """
     if not np.isfinite(given).any():
         return gaps_filled(found), "the file has no surface, it was found in the echogram"
     known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
     both = known & np.isfinite(found)
     outside = np.isfinite(given) & ~known
-    wrong = ~known | (both & _is_far_off(given, found, share))
+    wrong = ~known | (both & _is_far_off(given, found, share, coarseness))
     if outside.sum() > WRONG_SHARE * given.size:
         reason = (
             f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
             "range lines, the strongest rise of power is taken for it"
         )
         return gaps_filled(found), reason
-    if wrong.sum() <= WRONG_SHARE * given.size and not _is_biased(
-        given[both], found[both], share[both]
-    ):
+    biased = _is_biased(given[both], found[both], share[both], coarseness)
+    if wrong.sum() <= WRONG_SHARE * given.size and not biased:
         return gaps_filled(np.where(wrong, found, given)), None
-    n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
+    n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS * coarseness))).sum()
     reason = (
         f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
         "(none is given, or no echo rises there), it was found in the echogram"
@@ -115,7 +115,7 @@ def select_surface(given, found, share, n_bins):
     return gaps_filled(found), reason
 
 
-def _is_far_off(given, found, share):
+def _is_far_off(given, found, share, coarseness):
     """Lines on which the given surface is wrong because it is far from the one found, bool.
 
     It is not wrong where it is smooth and an echo rises at it: the surface found is then a brighter
@@ -124,17 +124,19 @@ def _is_far_off(given, found, share):
     n = min(SMOOTH_LINES, given.size)
     rises = median_filter(np.nan_to_num(share), n, mode="nearest") >= RISE_SHARE
     smooth = without_outliers(given) == given
-    below = found - given > WRONG_BINS
-    return (given - found > WRONG_BINS) | (below & ~(rises & smooth))
+    farthest = WRONG_BINS * coarseness
+    below = found - given > farthest
+    return (given - found > farthest) | (below & ~(rises & smooth))
 
 
-def _is_biased(given, found, share):
+def _is_biased(given, found, share, coarseness):
     """Whether the given surface is near the one found but wrong in the median, see `OFF_BINS`."""
     if given.size == 0:
         return False
     off = np.median(found - given) - PEAK_BINS
     # No echo lies above a true surface. Below a faint one, a crust may be brighter.
-    return off < -OFF_BINS or (off > OFF_BINS and np.median(share) < RISE_SHARE)
+    most = OFF_BINS * coarseness
+    return off < -most or (off > most and np.median(share) < RISE_SHARE)
 
 
 def gaps_filled(bins):

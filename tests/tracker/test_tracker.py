@@ -106,6 +106,48 @@ def test_a_faint_surface_above_a_strong_crust_is_left_where_the_file_has_it(trac
     assert_allclose(found["twtt"].values[0] / BIN_S, surface, atol=TOLERANCE_BINS)
 
 
+@quiet
+@pytest.mark.parametrize("radar", ["snow-2012", "ku-12-18"])
+def test_a_surface_found_has_quality_one_only_where_the_tracker_detects_one(radar):
+    tracker = Tracker.from_pretrained()
+    echogram, layers = simulate(Climate(accumulation_m=0.3), radar, n_range_lines=512, rng=1)
+    echogram["Surface"][:] = np.nan
+    found = tracker.pick(echogram)
+    off = (found["twtt"].values[0] - layers["twtt"].values[0]) / tracker.card.bin_s
+    wrong = np.abs(off - np.median(off)) > 2  # an echo peaks somewhat below its interface
+    assert wrong.mean() > 0.02
+    good = found["quality"].values[0] == 1
+    assert good[wrong].mean() < 0.2
+    assert good[~wrong].mean() > 0.95
+    assert "no surface is detected" not in found.attrs["notes"]
+
+
+@quiet
+@pytest.mark.parametrize("has_surface", [True, False])
+def test_a_frame_upside_down_has_no_pick_of_quality_one_and_a_note_says_why(has_surface):
+    tracker = Tracker.from_pretrained()
+    echogram, _ = simulate(Climate(accumulation_m=0.4), "snow-2012", n_range_lines=300, rng=7)
+    echogram["Data"].values[:] = echogram["Data"].values[::-1]
+    if not has_surface:
+        echogram["Surface"][:] = np.nan
+    found = tracker.pick(echogram)
+    assert found["quality"].values[np.isfinite(found["twtt"].values)].min() > 1
+    assert "is the frame upside down" in found.attrs["notes"]
+
+
+@quiet
+def test_the_surface_of_a_band_that_the_card_does_not_cover_is_left_and_the_band_is_noted():
+    tracker = Tracker.from_pretrained()
+    made = simulate(Climate(accumulation_m=0.3), "accumulation", n_range_lines=256, rng=5)
+    found = tracker.pick(made[0])
+    assert "bin_s 2.4e-09 lies outside the tracker's" in found.attrs["notes"]
+    assert "surface is wrong" not in found.attrs["notes"]
+    # Within one of the file's bins.
+    surface = made[1]["twtt"].values[0]
+    assert_allclose(found["twtt"].values[0], surface, atol=float(made[0].attrs["bin_s"]))
+    assert found["quality"].values[np.isfinite(found["twtt"].values)].min() > 1
+
+
 def off_bins(tracker, echogram, surface):
     """Rows, by range line, that the surface used lies below another one [s]."""
     grid = tracker.detect(echogram).canonical.grid
