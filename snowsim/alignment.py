@@ -13,31 +13,30 @@ import xarray as xr
 from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import SURFACE_ROW, Scene, check_choice, scene_height, to_uint8
 
-OVERLAP_LINES = 6  # of blocks
-FLAGGED = "range lines flagged"  # last words of the reason why such a block is skipped
-FAR_BINS = 6  # from the echogram's surface, where layer 0 may be another layer
-FAR_M = 500.0  # so far from the echogram's, lines are others: an aircraft flies it in some seconds
-REACH = 1.5  # of a line of a layer file, in its median spacings
-# Times of one range line in two files differ by rounding: most of it, in those spacings.
+OVERLAP_LINES = 6  # of neighbouring blocks
+FLAGGED = "range lines flagged"  # ends the reason why a block with flagged lines is skipped
+FAR_BINS = 6  # a layer 0 this far from the echogram's surface may be another layer
+FAR_M = 500.0  # lines of layers this far from the echogram's are not the same lines
+REACH = 1.5  # median spacings of a layer file: a pick is used for range lines no further away
+# Times of the same range line in two files differ by rounding, by less than this many spacings.
 SAME_LINE = 1e-3
 METHODS = ("surface", "elevation", "none")
-# Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
-# Not here by default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB
-# below a bright echo: layers stay where they are, and the same supplement lies beside the plain
-# product; `low_SNR`, weak, but measured: without such lines the mean power would come out too high;
-# `land_ice`, what is on the ground, no defect.
+# Flags of an IRSNO1B supplement that leave out a range line by default; the archive's analysts set
+# them for whole frames. Three flags do not. `deconvolution_artifact`: sidelobes some 30 dB below a
+# bright echo do not move layers, and the plain product has the same supplement. `low_SNR`: such
+# lines are weak but measured; without them the mean power would be too high. `land_ice`: this names
+# the ground, not a defect.
 FLAGGED_BY = (
-    # Power that is no echo, in the air that gives the noise and under the picks.
-    "coh_noise_removal_artifact",
-    "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
+    "coh_noise_removal_artifact",  # power that is no echo, in the air and under the picks
+    "vertical_stripes_artifact",  # the same: vertical stripes or a raised noise floor
     "missing_data",  # the range gate clips the echogram
-    "no_good_data",  # not to be trusted
-    "unclassified_artifact",  # not to be trusted
+    "no_good_data",
+    "unclassified_artifact",
 )
 
 
 def bin_size_s(echogram):
-    """Range bin of an echogram dataset in two-way travel time [s]."""
+    """Length of a range bin of an echogram dataset in two-way travel time [s]."""
     twtt = echogram["twtt"].values
     return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
 
@@ -48,9 +47,9 @@ def data_of(echogram):
 
 
 def levelled(power, first, n_rows):
-    """Power (range_bin, range_line) of so many bins of each line, from `first` (range_line,) down.
+    """Power (row, range_line) of `n_rows` bins of each range line, from bin `first` of it down.
 
-    NaN where nothing was recorded.
+    `power` is (range_bin, range_line), `first` (range_line,); bins outside the record are NaN.
     """
     n_bins = len(power)
     dtype = np.result_type(power.dtype, np.float32)
@@ -65,7 +64,8 @@ def levelled(power, first, n_rows):
 def layer_bins_of(layers, echogram):
     """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
 
-    ValueError unless both have the same range lines: nearer to their own than to others.
+    ValueError unless both have the same range lines: as many, and each pair closer in time than
+    half the spacing of range lines.
     """
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
@@ -172,13 +172,12 @@ def join(
 
 
 def align_layers(layers, echogram, where="layers"):
-    """Layers on the range lines of an echogram, and as seen from its antenna.
+    """Layers on the range lines of an echogram, with travel times from its antenna.
 
-    `where` names them in messages.
-
-    `twtt` is linear between neighbouring picks, NaN where either is missing, and further from the
-    nearest of their lines than `REACH` of their spacings; `quality` and `type` are those of that
-    line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
+    `twtt` is interpolated between neighbouring picks. It is NaN where either is missing, and on
+    range lines further than `REACH` line spacings of the layers from the nearest of their lines.
+    `quality` and `type` are those of the nearest line. `where` names the layers in messages. Layer
+    files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
     not cover the echogram's time span to within one of their own lines, if their lines lie far from
     the echogram's, or if a layer lies outside the echogram's window.
@@ -201,7 +200,7 @@ def align_layers(layers, echogram, where="layers"):
     picked = layers.transpose("layer", ...)
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
     away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
-    # Where a line of theirs is, its own value, though a neighbour may be missing.
+    # On a line of the layers its own pick counts, even if the pick beside it is missing.
     twtt = np.where(away < SAME_LINE, picked["twtt"].values[:, nearest], twtt)
     twtt[:, away > REACH] = np.nan
     if "Elevation" in layers:
@@ -227,7 +226,7 @@ def align_layers(layers, echogram, where="layers"):
 
 
 def _check_positions(layers, echogram, where):
-    """Refuse layers whose lines lie far from those of the echogram in the median."""
+    """Raise ValueError if the layers' positions are far from the echogram's in the median."""
     away_m = pd.Series(distance_m(positions_of(layers), positions_of(echogram))).median()
     if away_m > FAR_M:
         msg = (
@@ -238,15 +237,15 @@ def _check_positions(layers, echogram, where):
 
 
 def flatten(echogram, layers, *, method="surface"):
-    """Echogram and layers, shifted by whole bins to keep the surface, or the aircraft, level.
+    """Echogram and layers, each range line shifted by whole bins so that the frame is level.
 
-    Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line
-    between its neighbours where it is not picked, into the row of its median; "elevation" takes out
-    the aircraft's change of height above the ellipsoid, as the CReSIS toolbox does; "none" nothing.
-    Where the shift of a line is k bins, ``Elevation += k dt c / 2`` and ``t += k dt``. Nothing is
-    lost: rows are added at both ends, NaN where no trace reaches. A frame that is level already
-    comes back as it is, so files compensated before need no setting. ValueError if the method is
-    unknown, or the surface is not picked at all.
+    Both are on the same range lines (`align_layers`). With `method` "surface", layer 0 is put into
+    the row of its median; it is interpolated where it is not picked. "elevation" removes the
+    changes of the aircraft's height above the ellipsoid, as the CReSIS toolbox does. "none" returns
+    the frame as it is. A line shifted by k bins has ``Elevation += k dt c / 2`` and ``t += k dt``.
+    Rows are added at both ends so that no pixel is lost; they are NaN outside the record. A frame
+    that is level already is returned as it is. ValueError if the method is unknown, or the surface
+    has no pick.
     """
     check_choice("method", method, METHODS)
     if method == "none":
@@ -260,7 +259,7 @@ def flatten(echogram, layers, *, method="surface"):
         msg = f"{method} is nowhere known, so the frame cannot be levelled"
         raise ValueError(msg)
     bridged = pd.Series(bins).interpolate(limit_direction="both").to_numpy()
-    # Halves go up, not to even: a shift by whole bins must not change how a row is rounded.
+    # Halves are rounded up, not to even, so that a shift by whole bins changes no rounding.
     rows = np.floor(bridged + 0.5).astype(int)
     shift = int(np.floor(np.median(rows))) - rows
     if not shift.any():
@@ -269,7 +268,7 @@ def flatten(echogram, layers, *, method="surface"):
 
 
 def shifted(echogram, shift):
-    """Echogram with lines moved down by whole bins, (range_line,) of int; NaN where none was."""
+    """Echogram with range lines moved down by `shift` whole bins, (range_line,); NaN above them."""
     bin_s = bin_size_s(echogram)
     lowest = int(min(shift.min(), 0))
     n_rows = echogram.sizes["twtt"] + int(max(shift.max(), 0)) - lowest
@@ -279,14 +278,14 @@ def shifted(echogram, shift):
 
 
 def _of_bins(echogram, power, twtt):
-    """Echogram with the power (twtt, slow_time) of other range bins, and what has none."""
+    """Echogram with new power on new range bins `twtt`, and its variables along track."""
     others = echogram.drop_dims("twtt")
     others = others.assign_coords(twtt=("twtt", twtt, {"units": "s"}))
     return others.assign(Data=(("twtt", "slow_time"), power, echogram["Data"].attrs))
 
 
 def _delayed(dataset, times, delay_s):
-    """Dataset with some times later and its antenna as much higher, (range_line,) [s]."""
+    """Dataset with travel times `delay_s` (range_line,) later and its antenna higher to match."""
     delay = xr.DataArray(delay_s, dims="slow_time")
     rise_m = delay * SPEED_OF_LIGHT_M_S / 2
     changes = [(name, delay, "s") for name in times] + [("Elevation", rise_m, "m")]
@@ -298,11 +297,12 @@ def _delayed(dataset, times, delay_s):
 
 
 def resample_range(echogram, bin_s):
-    """Echogram at another bin size in two-way travel time [s], two of which must fit into it.
+    """Echogram in range bins of another length `bin_s` in two-way travel time [s].
 
-    Larger bins hold the mean power of what they cover, smaller ones the power interpolated between
-    bin centres; the first bin keeps its travel time. NaN spreads to every bin it touches. Within a
-    millionth, it comes back as it is.
+    Longer bins hold the mean power of the bins they cover, shorter ones the power interpolated
+    between bin centres. The first bin keeps its travel time. A new bin is NaN if it uses a NaN. If
+    the lengths agree to a millionth, the echogram is returned as it is. ValueError unless two bins
+    fit into the echogram.
     """
     present_s = bin_size_s(echogram)
     power = data_of(echogram)
@@ -314,8 +314,8 @@ def resample_range(echogram, bin_s):
     if abs(ratio - 1) < 1e-6:
         return echogram
     n_rows = int((power.shape[0] - 1) / ratio) + 1
-    # To a millionth of a bin: a centre that falls on another must not lean on its neighbour, which
-    # may be missing.
+    # Rounded to a millionth of a bin: a centre that coincides with an old one must not use the
+    # neighbouring bin, which may be missing.
     centres = np.round(ratio * np.arange(n_rows), 6)
     resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
     first_s = float(echogram["twtt"].values[0])
@@ -340,7 +340,7 @@ def _box_means(power, centres, ratio):
 
     means = between_edges(np.where(missing, 0, power)) / np.diff(edges)[:, None]
     means[between_edges(missing.astype(float)) > 1e-9] = np.nan
-    return np.maximum(means, 0)  # the integral's rounding can leave -1e-17 of what stands above
+    return np.maximum(means, 0)  # rounding of the integral can give -1e-17 of the power above
 
 
 def _interpolated(power, centres):
@@ -351,13 +351,12 @@ def _interpolated(power, centres):
 
 
 def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
-    """Echogram, with `flagged (slow_time)`, and layers, without the lines that have one of `flags`.
+    """Echogram, with `flagged (slow_time)`, and layers, both NaN on lines with one of `flags`.
 
-    Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines
-    stay, so that their neighbours keep their distance. The echogram's `quality_mask (slow_time)`
-    holds one bit a flag, named by its attributes `flag_masks` and `flag_meanings` (CF conventions,
-    section 3.5); it need not know them all. Without a mask, echogram and layers come back as they
-    are.
+    The lines stay in place, so that their neighbours keep their distance. The echogram's
+    `quality_mask (slow_time)` has one bit for each flag, named by its attributes `flag_masks` and
+    `flag_meanings` (CF conventions, section 3.5); it may lack some of `flags`. Without a mask,
+    echogram and layers are returned as they are.
     """
     held = flagged_lines(echogram)
     if held is None:
@@ -374,10 +373,7 @@ def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
 
 
 def flagged_lines(echogram):
-    """Which range lines have each flag, {name: bool (range_line,)}.
-
-    None for an echogram without a mask of flags.
-    """
+    """Mask of range lines by flag, {name: bool (range_line,)}, or None without flags."""
     mask = echogram.get("quality_mask")
     if mask is None or mask.dtype.kind not in "iu":
         return None
@@ -389,9 +385,10 @@ def flagged_lines(echogram):
 
 
 def count_flagged(echogram):
-    """How many lines `leave_out_flagged` left out, and all flags: "low_SNR 12; land_ice 512".
+    """Number of lines that `leave_out_flagged` left out, and text: "low_SNR 12; land_ice 512".
 
-    Words are "none" where there is a mask without a flag, and empty where there is no mask.
+    The text counts the lines of every flag. It is "none" if no flag is set, and empty if the
+    echogram has no mask of flags.
     """
     held = flagged_lines(echogram)
     n_flagged = int(echogram["flagged"].sum()) if "flagged" in echogram else 0
@@ -402,7 +399,7 @@ def count_flagged(echogram):
 
 
 def cut_blocks(echogram, layers, *, name):
-    """Cut a level frame into scenes as the published benchmark does.
+    """Scenes cut from a level frame as the published benchmark does, and why blocks are skipped.
 
     Blocks have 256 lines and overlap by 6; lines left over at the end are not used. A scene is a
     cropped block: the surface, layer 0, lies in its row 50, it ends 100 rows below its last layer
@@ -448,7 +445,7 @@ def cut_blocks(echogram, layers, *, name):
 
 
 def _why_no_scene(power, bins, flagged):
-    """Why a block is no scene, in words, or None."""
+    """Reason why a block is no scene, or None."""
     if flagged.any():
         return f"{int(flagged.sum())} of {flagged.size} {FLAGGED}"
     if not np.isfinite(bins[0]).any():

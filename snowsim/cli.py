@@ -83,7 +83,7 @@ def export(sources, folder, layers, force):
 
 def scene_set(source):
     """Scenes of a scene set, or of a folder of image pairs; an echogram needs its layers."""
-    from snowsim.io.containers import ECHOGRAMS, format_of, in_words, opened
+    from snowsim.io.containers import ECHOGRAMS, format_of, in_words, open_container
     from snowsim.io.files import is_zarr
     from snowsim.io.pairs import PairSet
     from snowsim.io.scenes import SceneSet
@@ -93,7 +93,7 @@ def scene_set(source):
     try:
         return SceneSet(source)
     except ValueError as error:
-        kind = format_of(opened(source))
+        kind = format_of(open_container(source))
         if kind not in ECHOGRAMS:
             raise
         msg = (

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
-ROWS_BELOW_LAST_LAYER = 100
+ROWS_BELOW_LAST_LAYER = 100  # as in the published benchmark
 MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
@@ -45,16 +45,16 @@ FAR_ROW_DB = 70
 
 
 class Kind(IntEnum):
-    """What an echo comes from."""
+    """Origin of an echo."""
 
     LAYER = 0  # labelled
     BACKGROUND = 1  # snow between layers: no layer, an exponential that starts at the surface
-    BELOW = 2  # an echo below the last layer, in no label
+    BELOW = 2  # an echo below the last layer that no label holds
 
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """Echoes of a scene from the surface down, each a term of eq. (1), and how radar sees them.
+    """Echoes of a scene from the surface down, each a term of eq. (1), with noise and speckle.
 
     Attributes
     ----------
@@ -63,11 +63,11 @@ class Echoes:
     power : ndarray, (row, range_line)
         Its linear power there; PHY also takes one value for each row, (row,).
     variance_bins2, decay_rate : ndarray, (row,)
-        Variance and decay of its waveform [bins^2, per bin].
+        Variance [bins^2] and decay [per bin] of each echo's waveform.
     kind : ndarray of int8, (row,)
         One of `Kind`.
     noise_power : float
-        Linear.
+        Linear power of the noise.
     n_looks : float
         Independent looks averaged in a pixel.
     speckle_correlation : ndarray, (lag,), or None
@@ -75,7 +75,7 @@ class Echoes:
     line_gain_spread_db : float
         Standard deviation of gain from range line to range line [dB].
     decay_factor : float
-        Factor of decay in this scene over the flight's; `decay_rate` includes it.
+        Decay in this scene relative to the flight's; `decay_rate` includes this factor.
     """
 
     bins: np.ndarray
@@ -101,20 +101,19 @@ class Scene:
     n_range_bins : int
         Height of the image.
     layer_bins : ndarray, (layer, range_line)
-        Annotated layers in fractional range bins, row 0 the snow surface; NaN where not annotated.
+        Annotated layers in fractional range bins, layer 0 the snow surface; NaN without one.
     image : ndarray of uint8, (range_bin, range_line), or None
-        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are the powers of its 0 (plus 10 dB)
-        and 255.
+        Scaled by `to_uint8`. Grey level 0 is 10 dB below `noise_floor_db`, 255 is `maximum_db`.
     complete_layer_bins : ndarray, (layer, range_line), or None
-        Every layer there is, in order, where `layer_bins` holds only what a picker found; may have
-        more rows.
+        All layers in order, if `layer_bins` holds only those that a picker found. It may have more
+        rows than `layer_bins`.
     echoes : Echoes, or None
-        What PHY renders, where it was drawn with the layers.
+        Echoes that PHY renders, if they were drawn with the layers.
     zone : int
         Accumulation zone, -1 where unknown.
     notes : dict
-        What was counted on the way (a plan's bound and cost, counts of the label rule); nothing is
-        rendered from them.
+        Counts of the steps that made the scene (a plan's bound and cost, counts of the label rule).
+        Renderers do not use them.
     """
 
     name: str
@@ -145,22 +144,22 @@ class Scene:
 
 
 def named_frame(path):
-    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
+    """Segment and number of the frame in a file's name, (None, None) if the name has none."""
     named = NAMED.search(Path(path).stem)
     return (named[1], int(named[2])) if named else (None, None)
 
 
 def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
-    """Echogram dataset of arrays in memory, as `read_echogram` gives them of a file.
+    """Echogram dataset of arrays in memory, like that of `snowsim.io.read_echogram`.
 
     Parameters
     ----------
     data : array_like, (range_bin, range_line)
-        Linear power, NaN or masked where nothing was recorded.
+        Linear power; NaN or masked where nothing was recorded.
     twtt : array_like, (range_bin,)
         Two-way travel time of the range bins, evenly spaced [s].
     slow_time : array_like of datetime64, (range_line,), optional
-        UTC; by default range lines follow one another by a millisecond, from 2000 on.
+        UTC; by default range lines are a millisecond apart, from the year 2000 on.
     attrs : dict, optional
         Attributes of the dataset.
     **along_track : array_like, (range_line,)
@@ -170,13 +169,13 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     Returns
     -------
     xarray.Dataset
-        As of `read_echogram`.
+        See `snowsim.io.read_echogram`.
 
     Raises
     ------
     ValueError
-        In one line: names that are not known, lengths that do not agree, power that is negative or
-        looks like grey levels.
+        In one line, if a name is unknown, lengths differ, or power is negative or holds grey levels
+        (whole numbers of 8 bits).
 
     Examples
     --------
@@ -202,8 +201,8 @@ def echogram_dataset(where, content, attributes):
     """Echogram dataset of arrays by name, checked; messages begin with `where`.
 
     `content` holds linear power `Data` (range_bin, range_line), `twtt`, and any variables along
-    slow_time. Without `slow_time`, range lines are a millisecond apart; positions and surface that
-    are missing are NaN. Data are transposed if only that fits.
+    slow_time. Without `slow_time`, range lines are a millisecond apart; missing positions and a
+    missing surface are NaN. Data are transposed if they fit only in this way.
     """
     # Imported here: every job loads this module, and xarray takes half a second.
     import xarray as xr
@@ -222,7 +221,7 @@ def echogram_dataset(where, content, attributes):
     invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
     unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
     dataset = xr.Dataset(attrs=attributes)
-    # Data first, and so their axes.
+    # Data come first, so that the dataset has their order of axes.
     for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
         with one_line_for(where, f"{name}: expected real numbers, as many as others have"):
             if name not in ("Data", "slow_time"):
@@ -236,7 +235,7 @@ def echogram_dataset(where, content, attributes):
 
 @contextmanager
 def one_line_for(where, expected):
-    """Turn what numpy or xarray cannot convert into a ValueError of one line."""
+    """Context in which an error of numpy or xarray becomes a ValueError of one line."""
     try:
         yield
     except (TypeError, ValueError) as error:
@@ -261,9 +260,9 @@ def scene_height(layer_bins):
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
-    """Accumulation zone of mean thicknesses of the first slab, 0 the shallowest; -1 for NaN.
+    """Accumulation zone of each mean thickness of the first slab, 0 the thinnest; -1 for NaN.
 
-    Thicknesses beyond the outer edges lie in the outer zones.
+    Thicknesses beyond the outer edges belong to the outer zones.
     """
     thickness = np.asarray(first_thickness_bins, dtype=float)
     zone = np.searchsorted(np.asarray(zone_edge_bins)[1:-1], thickness, side="right")
@@ -284,7 +283,7 @@ def layer_mask(layer_bins, n_range_bins):
 
 
 def crossing_layers(layer_bins):
-    """Where a layer does not lie below the deepest one above it, bool (layer, range_line)."""
+    """Mask of picks that are not below all layers above them, bool (layer, range_line)."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     filled = np.where(np.isnan(layer_bins), -np.inf, layer_bins)
     deepest_above = np.maximum.accumulate(filled, axis=0)
@@ -373,8 +372,8 @@ def to_uint8(power):
     -------
     image : ndarray of uint8, (range_bin, range_line)
     noise_floor_db, maximum_db : float
-        The smallest row mean of the dB image, and its maximum; the rule of the koenig_TC2016_ML
-        data set.
+        Smallest row mean of the dB image and its maximum, by the rule of the koenig_TC2016_ML data
+        set.
     """
     power = np.asarray(power)
     bad = ~((power > 0) & np.isfinite(power))
@@ -410,7 +409,7 @@ def to_grey(power_db, noise_floor_db, maximum_db):
 
 
 def from_uint8(image, noise_floor_db, maximum_db):
-    """Power in dB that an 8-bit image stands for, float64; the inverse of `to_uint8`."""
+    """Power [dB] of the grey levels of an 8-bit image, float64; the inverse of `to_uint8`."""
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     return bottom_db + np.asarray(image, dtype=float) * ((maximum_db - bottom_db) / 255)
 
@@ -427,8 +426,8 @@ def check_echogram(echogram, where="echogram"):
     _check_variables(echogram, axes | along_track, where)
     twtt = echogram["twtt"].values
     even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
-    # A thousandth of a bin is below any use, and so is the last digit of single precision, which
-    # some files store: rounded at its ends, too, and by units. NaN is not even, either.
+    # Errors of a thousandth of a bin do not matter. Some files store single precision, whose last
+    # digit is rounded twice: at both ends of the axis, and by a change of units. NaN is uneven.
     last_digit = 2 * np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
     step = np.diff(even[:2])
     uneven = ~((step > 0) & (np.abs(twtt - even) < 1e-3 * step + last_digit))
@@ -444,13 +443,13 @@ def check_echogram(echogram, where="echogram"):
             f"got {data[at]} at {at}"
         )
         raise ValueError(msg)
-    # A mask has two levels; the first rows tell power without a look at the rest.
+    # A mask has two levels. The first rows are tested first, to spare the test of all others.
     is_whole = (data[:2] == np.rint(data[:2])).all() and (data == np.rint(data)).all()
     if is_whole and 2 <= data.max() <= 255 and data.min() < data.max():
         msg = f"{where}: Data: expected linear power, found whole numbers of 8 bits: grey levels?"
         raise ValueError(msg)
     for name, largest in DEGREES.items():
-        outside = np.abs(echogram[name].values) > largest  # NaN, where it is unknown, is not
+        outside = np.abs(echogram[name].values) > largest  # NaN (unknown) passes
         if outside.any():
             msg = (
                 f"{where}: {name}: expected degrees within +-{largest}, "
@@ -460,9 +459,9 @@ def check_echogram(echogram, where="echogram"):
 
 
 def check_layers(layers, where="layers"):
-    """Raise ValueError, naming `where`, unless layers are as Open Polar Radar has them.
+    """Raise ValueError, naming `where`, unless layers follow the Open Polar Radar convention.
 
-    `twtt`, `quality` and `type` on (layer, slow_time), layers that do not cross.
+    They hold `twtt`, `quality` and `type` on (layer, slow_time), and do not cross.
     """
     axes = ("layer", "slow_time")
     _check_variables(layers, dict.fromkeys(("twtt", "quality", "type"), axes), where)
@@ -470,7 +469,7 @@ def check_layers(layers, where="layers"):
 
 
 def _check_variables(dataset, axes, where):
-    """Refuse a dataset that lacks variables on these axes, or times that increase; it names all."""
+    """Raise ValueError unless a dataset has all variables on these axes, and increasing times."""
     held = {name: variable.dims for name, variable in dataset.variables.items()}
     wrong = [name for name, dims in axes.items() if set(held.get(name, ())) != set(dims)]
     if wrong or "slow_time" not in held:

@@ -1,8 +1,8 @@
 """Files of every format, opened once; and the contract of the readers that stand on this.
 
-What comes in: the path of a file or Zarr store, or the `Stored` that `opened` gave of it, so that a
-file whose format was looked up is not read twice. The format follows from the content, by the names
-of its variables (`FORMATS`), never from the file's name.
+What comes in: the path of a file or Zarr store, or its `Stored` from `open_container`, so that no
+file is read twice. The format follows from the names of the variables (`FORMATS`), never from the
+file's name.
 
 What comes out: an `xarray.Dataset` in memory, in the Open Polar Radar convention. `read_echogram`
 returns what `snowsim.echogram.check_echogram` accepts, `read_layers` what `check_layers` accepts:
@@ -54,8 +54,8 @@ SUPPLEMENT_FLAGS = (
     "land_ice",
 )
 POSITION = ("Latitude", "Longitude", "Elevation")
-# In words, and the variables that it needs. A file is what it has the largest share of; earlier
-# entries win a tie.
+# By format: its name in words, and the variables that it needs. A file has the format for which it
+# holds the largest share of the variables; in a tie the earlier entry wins.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
     "opr": ("an Open Polar Radar echogram", ("Data", "slow_time", "twtt", *POSITION)),
@@ -70,10 +70,11 @@ FORMATS = {
 }
 ECHOGRAMS = ("nsidc", "cresis", "opr")
 LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
-# A file that lost half its variables is still called by its name, and what it lacks is named.
+# Below this share of its variables a file has no known format. Above it, the missing variables are
+# named in the error.
 SMALLEST_SHARE = 0.4
 
-# Unit of travel times that tell none, and units in seconds.
+# Units of travel times that have no attribute `units`; then the length of each unit in seconds.
 TRAVEL_TIMES = {"twtt": "s", "fasttime": "us"}
 SECONDS = {
     "s": 1.0,
@@ -85,35 +86,36 @@ SECONDS = {
     "nanoseconds": 1e-9,
     "ns": 1e-9,
 }
-# Units of time that CF allows, as xarray names them: by other names it reads them through cftime,
-# which takes zones of time for UTC.
+# Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
+# cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
-# Attributes by which datasets tell that `slow_time` is GPS time, as xopr's, or UTC, as all of ours.
+# Attributes of xopr's datasets, whose `slow_time` is GPS time, and of ours, whose is UTC.
 TELL_GPS = {"granule", "mimetype", "source_url"}
 TELL_UTC = {"source_format", "synthetic", "tracker"}
 
 NETCDF3, HDF5 = b"CDF", b"\x89HDF\r\n\x1a\n"
-USER_BLOCK_BYTES = 512  # of MATLAB, in front of HDF5
-# The last bytes of the header of MAT v5: how numbers are written.
+USER_BLOCK_BYTES = 512  # in front of the HDF5 data of a MAT v7.3 file
+# The header of a MAT v5 file: text first, the byte order last. The text of scipy has a date, by
+# which two files of the same content would differ.
 MAT_HEADER_BYTES = 128
-TEXT_BYTES = 116  # it begins with; the date that scipy writes there would make bytes differ
+TEXT_BYTES = 116
 BYTE_ORDERS = (b"\x00\x01IM", b"\x01\x00MI")
 MOST = f"at most {MAXIMUM_BYTES} bytes"
 KINDS = "MAT v5, MAT v7.3, NetCDF or Zarr"
-# A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
-# Specification, III.E.
+# Start of a global heap of HDF5, version 1, and header bytes of a heap and of each object in it:
+# HDF5 File Format Specification, III.E.
 HEAP = re.compile(b"GCOL\x01")
 HEAP_HEADER_BYTES = 16
-VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
-NUMBER_BYTES = 4  # size of a number in most large variables
+VALUE_BYTES = 10_000  # least cost of a value in a struct or cell: a file may have 100,000 of them
+NUMBER_BYTES = 4  # size of a number in most large variables (single precision)
 
 
 @dataclass(frozen=True)
 class Stored:
-    """What a file holds: names of its variables, and what reads them.
+    """An opened file: its path, the names of its variables, and a function that reads them.
 
-    `read()` gives the `xarray.Dataset` of a NetCDF file or Zarr store; `read(names)`, of MAT files
-    too, gives a dict of those of the names that are there.
+    `read()` returns the whole dataset of a NetCDF file or Zarr store, whatever names it is given.
+    `read(names)` returns a dict of the variables of a MAT file, without names that the file lacks.
     """
 
     path: Path
@@ -137,10 +139,11 @@ def one_line_errors(expected="expected a whole file"):
 
 
 @one_line_errors(f"content: expected {KINDS}")
-def opened(path, content=None):
-    """What a file of MAT v5, MAT v7.3, NetCDF or a Zarr store holds, `Stored`.
+def open_container(path, content=None):
+    """`Stored` of a file of MAT v5, MAT v7.3 or NetCDF, or of a Zarr store.
 
-    Its bytes are read once, if its `content` is not given; a `Stored` comes back as it is.
+    The file is read once, and not at all if its bytes are given as `content`. A `Stored` is
+    returned as it is.
     """
     if isinstance(path, Stored):
         return path
@@ -152,21 +155,21 @@ def opened(path, content=None):
     if path.is_dir():
         return _labelled(path, path, engine="zarr", consolidated=False)
     if content.startswith(NETCDF3):
-        # Not by netCDF4: of 400 damaged files 3 never ended there.
+        # Not by netCDF4: it never returned on 3 of 400 damaged files.
         return _labelled(path, BytesIO(content), engine="scipy")
     if content.startswith(HDF5):
         check_heaps(content)
         file = netCDF4.Dataset(path.name, memory=content)
-        # As it is declared: xarray reads coordinates when it opens a file.
+        # Sizes are checked as declared, before xarray reads coordinates.
         held = file.variables.values()
         sizes = [each.size * getattr(each.dtype, "itemsize", 8) for each in held]
         if sum(sizes) > MAXIMUM_BYTES:
             raise refusal(path, "variables", MOST, sum(sizes))
-        # The engine is named, or xarray looks for the packages of all.
+        # With a named engine xarray does not search for the packages of all others.
         return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
     if content[USER_BLOCK_BYTES:].startswith(HDF5):
         check_heaps(content)
-        # Not by a file of Python: where an error keeps it, HDF5 closes it after Python ended.
+        # In memory: an error that keeps a file object open would crash Python at its end.
         file = h5py.File.in_memory(content)
         return Stored(path, frozenset(file), partial(_read_mat73, file))
     if content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES] not in BYTE_ORDERS:
@@ -177,13 +180,13 @@ def opened(path, content=None):
 
 
 def format_of(stored, kinds=FORMATS):
-    """Format of a file, a key of `FORMATS`, by the names of its variables.
+    """Format of a file by the names of its variables, a key of `FORMATS`.
 
-    ValueError if it is none of these `kinds`, or lacks variables of the one that it is.
+    ValueError if the format is not among `kinds`, or if variables of the format are missing.
     """
     names = stored.names
     if "UTC_time" in names:
-        names = names | {"GPS_time"}  # what older files have in its place
+        names = names | {"GPS_time"}  # older files have UTC_time instead
     share = {kind: len(names & {*needed}) / len(needed) for kind, (_, needed) in FORMATS.items()}
     kind = max(share, key=share.get)
     found = ", ".join(sorted(names)) or "none"
@@ -200,20 +203,20 @@ def format_of(stored, kinds=FORMATS):
 
 
 def in_words(kind):
-    """A format as messages call it."""
+    """Name of a format in messages."""
     return FORMATS[kind][0]
 
 
 @one_line_errors()
 def read_values(path, names=None):
     """Variables of a file as `Stored.read` gives them."""
-    return opened(path).read(names)
+    return open_container(path).read(names)
 
 
 def check_heaps(content):
-    """Refuse a heap whose objects overrun it: HDF5 2.2 walks it for ever.
+    """Raise ValueError for a heap whose objects overrun it: HDF5 2.2 would never return.
 
-    Heaps hold text and lists of references. Of 1600 damaged NetCDF files 3 had such a heap.
+    Heaps hold text and lists of references. 3 of 1600 damaged NetCDF files had such a heap.
     """
     for heap in HEAP.finditer(content):
         (length,) = struct.unpack_from("<Q", content, heap.start() + 8)
@@ -221,7 +224,7 @@ def check_heaps(content):
         offset = heap.start() + HEAP_HEADER_BYTES
         while offset + HEAP_HEADER_BYTES <= end:
             index, size = struct.unpack_from("<H6xQ", content, offset)
-            # The free space, object 0, counts its own header.
+            # The size of the free space, object 0, includes its header.
             step = size if index == 0 else HEAP_HEADER_BYTES + -(-size // 8) * 8
             offset += step
             if step < HEAP_HEADER_BYTES or offset > end:
@@ -229,11 +232,11 @@ def check_heaps(content):
 
 
 def _labelled(path, source, **how):
-    """What a NetCDF file or Zarr store holds, with what its attributes tell applied.
+    """`Stored` of a NetCDF file or Zarr store, decoded by its CF attributes.
 
-    Those of CF; travel times become seconds, GPS time of xopr, which keeps leap seconds in
-    `slow_time`, becomes UTC. A fill value that no attribute tells hides nothing, and durations stay
-    numbers: rounded to nanoseconds they would lose their range bins.
+    Travel times become seconds. `slow_time` of xopr, which includes leap seconds, becomes UTC. Only
+    a declared fill value becomes NaN. Durations stay numbers: rounded to nanoseconds, range bins
+    would be lost.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
@@ -262,14 +265,14 @@ def _labelled(path, source, **how):
         if SECONDS[unit] != 1:
             seconds = decoded[name].values * SECONDS[unit]
             decoded[name] = (decoded[name].dims, seconds, {"units": "s"})
-    # All of it, whatever names are asked for: it is a mapping, too.
+    # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
     return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
 
 
 def _read_mat5(file, shapes, names):
-    """The named variables: arrays lose axes of length 1, a struct is a dict, a cell a list.
+    """Named variables of a MAT v5 file: a struct is a dict, a cell a list, empty ones are left out.
 
-    Empty ones are left out.
+    Arrays lose axes of length 1.
     """
     names = [name for name in names if name in shapes]
     for name in names:
@@ -277,23 +280,23 @@ def _read_mat5(file, shapes, names):
         if n_bytes > MAXIMUM_BYTES:
             raise refusal(None, name, MOST, n_bytes)
     with warnings.catch_warnings():
-        # With `mat_dtype` scipy drops imaginary parts and only warns: make that an error.
+        # With `mat_dtype` scipy drops imaginary parts and only warns: this is made an error.
         warnings.simplefilter("error", ComplexWarning)
         values = scipy.io.loadmat(file, variable_names=names, mat_dtype=True, simplify_cells=True)
     return {name: values[name] for name in names if getattr(values[name], "size", 1)}
 
 
 def _read_mat73(file, names):
-    """The same of a MAT v7.3 file."""
+    """Named variables of a MAT v7.3 file, as those of `_read_mat5`."""
     read = [0]
     values = {name: _plain(file[name], read) for name in names if name in file}
     return {name: value for name, value in values.items() if getattr(value, "size", 1)}
 
 
 def _plain(node, read):
-    """A variable of a MAT v7.3 file; `read` counts bytes of the file that were read.
+    """Value of a variable of a MAT v7.3 file; `read[0]` counts the bytes read so far.
 
-    A file may refer to the same value any number of times.
+    The count has a limit, because a file may refer to the same value any number of times.
     """
     read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
     if read[0] > MAXIMUM_BYTES:
@@ -302,7 +305,7 @@ def _plain(node, read):
         return {name: _plain(field, read) for name, field in node.items()}
     is_text = node.attrs.get("MATLAB_class") == b"char"
     if node.attrs.get("MATLAB_empty", 0):
-        # In place of its values an empty variable stores its dimensions.
+        # An empty variable stores its dimensions instead of values.
         return "" if is_text else np.empty(0)
     values = node[()]
     if node.dtype == h5py.ref_dtype:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from snowsim.alignment import bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, opened
+from snowsim.io.containers import ECHOGRAMS, LAYERS, format_of, in_words, open_container
 from snowsim.io.files import content_of, is_zarr, one_line, picture_format
 from snowsim.io.pairs import ANY_GREY, SPACING, PairSet, read_image
 from snowsim.io.predictions import read_array
@@ -21,8 +21,8 @@ RADAR = ("radar_name", "season_name", "day_seg", "centre_hz", "bandwidth_hz", "n
 def describe(path):
     """Description of a file or folder, {"format": text, "sizes": text, ...}, and its dataset.
 
-    The whole file is read; what its reader refuses is refused here, in the same line. Scenes have
-    no dataset, None.
+    The whole file is read, so that the errors are those of its reader. The dataset of scenes is
+    None.
     """
     path = Path(path)
     if path.is_dir() and not is_zarr(path):
@@ -33,7 +33,7 @@ def describe(path):
     picture = picture_format(content)
     if picture:
         return _described(f"a {picture} image", _image(read_image(path, ANY_GREY, content)[0]))
-    stored = opened(path, content)
+    stored = open_container(path, content)
     kind = format_of(stored, (*ECHOGRAMS, *LAYERS, "scenes", "statistics"))
     if kind == "scenes":
         with SceneSet(path) as scenes:

@@ -22,18 +22,18 @@ from snowsim.io.containers import (
     SUPPLEMENT_FLAGS,
     format_of,
     one_line_errors,
-    opened,
+    open_container,
     read_values,
 )
 from snowsim.io.files import library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
-# Span of an echogram in decibels, from the weakest pixel to the strongest; and its median as a
-# share of the strongest, where no pixel is negative.
+# Decibels span this much from the weakest to the strongest pixel. If none is negative, their median
+# is at least this share of the strongest.
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
 LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
-# Parameters of a file that go with the dataset.
+# Parameters of a file that become attributes of the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
 # Only an attribute of this form becomes a folder: it may hold anything.
 SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
@@ -62,7 +62,7 @@ def frame_in(echogram, path):
 
 @one_line_errors()
 def read_echogram(path, *, compensated=False, source=None):
-    """Echogram dataset of a file, whose format is determined from its content.
+    """Echogram dataset of a file; its format follows from its content.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ def read_echogram(path, *, compensated=False, source=None):
         IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar
         dataset (NetCDF, Zarr).
     compensated : bool
-        Keep elevation compensation where a file has it; by default travel times are those to the
-        antenna's `Elevation`.
+        Keep the elevation compensation of a file; by default it is undone, so that travel times
+        start at the antenna's `Elevation`.
     source : {"nsidc", "cresis", "opr"}, optional
         Format that the file must have; by default any of these.
 
@@ -100,7 +100,7 @@ def read_echogram(path, *, compensated=False, source=None):
     >>> echogram.sizes["slow_time"], echogram["twtt"].attrs["units"]
     (64, 's')
     """
-    stored = opened(path)
+    stored = open_container(path)
     kind = format_of(stored, [source] if source else ECHOGRAMS)
     if kind == "opr":
         return read_opr(stored)
@@ -109,7 +109,7 @@ def read_echogram(path, *, compensated=False, source=None):
 
 
 def power_of(data_db, where):
-    """Linear power of decibels; -inf, no power, becomes NaN. What looks like power is refused."""
+    """Linear power of decibels; -inf becomes NaN. ValueError if the values look like power."""
     some_db = data_db.flat[:: 1 + data_db.size // 100_000]
     some_db = some_db[np.isfinite(some_db)]
     low_db, middle_db, high_db = np.quantile(some_db if some_db.size else 0, (0, 0.5, 1))
@@ -117,14 +117,14 @@ def power_of(data_db, where):
     if is_linear or not LEAST_SPAN_DB < high_db - low_db < LARGEST_SPAN_DB:
         found = f"{low_db:.3g} to {high_db:.3g}, {middle_db:.3g} in the median: linear power?"
         raise refusal(where, "Data", "decibels", found)
-    with np.errstate(over="ignore"):  # infinite power is refused by the check
+    with np.errstate(over="ignore"):  # check_echogram refuses infinite power
         return np.where(np.isneginf(data_db), np.nan, 10 ** (data_db / 10))
 
 
 def read_opr(stored):
-    """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked.
+    """Echogram dataset of an Open Polar Radar file, checked, with axes (twtt, slow_time).
 
-    Decibels, if the units of `Data` say so, become linear power.
+    If `units` of `Data` say decibels, they become linear power.
     """
     dataset = stored.read()
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
@@ -138,14 +138,13 @@ def read_opr(stored):
 
 
 def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
-    """Echogram with traces shifted back by `Elevation_Correction` [bins], made for level flight.
+    """Echogram without elevation compensation: traces shifted back by `Elevation_Correction` bins.
 
-    A trace that was not shifted was recorded from `first_row` to before `end_row`; what lies
-    outside is padding and counts as missing.
+    A trace without shift was recorded from `first_row` to before `end_row`. Other rows are padding,
+    which the CReSIS toolbox fills with zero power; they become NaN.
 
-    ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS
-    toolbox's compression, in which inserted bins hold zero power. They are NaN here, so that no
-    zero passes for a measurement.
+    ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the
+    compensation by the CReSIS toolbox.
     """
     bins = echogram["Elevation_Correction"]
     most = MAXIMUM_BYTES / echogram["Data"][0].nbytes - echogram.sizes["twtt"]
@@ -159,7 +158,7 @@ def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
     return shifted(echogram.drop_vars("Elevation_Correction"), -bins.values.astype(int))
 
 
-# Names of what lies along track in IRSNO1B files, where they are others.
+# Names of variables along track in IRSNO1B files, if they differ from ours.
 NSIDC_NAMES = {
     "Latitude": "lat",
     "Longitude": "lon",
@@ -175,10 +174,10 @@ HALF_DAY = np.timedelta64(12, "h")
 def read_nsidc(stored, *, compensated=False):
     """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
 
-    `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
-    NaN; `time` (UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes
-    `twtt`; degrees of attitude become radians. With a supplement beside it, bit i of `quality_mask`
-    (slow_time) is flag i of its `flag_meanings`.
+    `amplitude` [dB] becomes linear power, and its -inf (bins that elevation compensation inserted)
+    NaN. `time` (UTC, of one day) becomes `slow_time`, which goes on past midnight; `fasttime` [us]
+    becomes `twtt`; attitude becomes radians. With a supplement beside the file, bit i of
+    `quality_mask` (slow_time) is flag i of `flag_meanings`.
     """
     values = stored.read()
     axes = (*values["fasttime"].dims, *values["time"].dims)
@@ -198,7 +197,7 @@ def read_nsidc(stored, *, compensated=False):
     for name in sorted(values.variables):
         parameter = name.rpartition(".")[2]
         if name.startswith("param") and parameter in PARAMETERS:
-            # Characters, padded with NUL.
+            # The text is an array of characters, padded with NUL.
             text = b"".join(np.ravel(values[name]).astype(bytes)).decode("latin-1")
             attributes.setdefault(parameter, " ".join(text.replace("\0", "").split())[:100])
     echogram = echogram_dataset(stored.path, content, attributes)
@@ -212,7 +211,7 @@ def read_nsidc(stored, *, compensated=False):
 
 
 def find_supplement(path):
-    """The supplement that lies beside an IRSNO1B file, or None: the same name up to the frame."""
+    """Path of the supplement beside an IRSNO1B file, named alike up to the frame, or None."""
     path = Path(path)
     base, variant = re.fullmatch(r"(.*?\d{8}_\d{2}_\d{3}|.*?)(.*)", path.stem).groups()
     stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
@@ -221,7 +220,7 @@ def find_supplement(path):
 
 
 def _quality_mask(path, n_lines):
-    """Flags of a supplement, set for a frame as a whole or line by line."""
+    """Variable `quality_mask` of the flags of a supplement, which are set by frame or by line."""
     stored = read_values(path)
     bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
     mask = np.zeros(n_lines, dtype=np.uint8)
@@ -236,7 +235,7 @@ def _quality_mask(path, n_lines):
 
 
 OTHERS = ("Data", "Time", "GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
-# Parameter structs by age; the newest that has a name is believed.
+# Parameter structs, newest first: the first that has a parameter is used.
 PARAMETER_STRUCTS = (
     "param_records",
     "param_qlook",
@@ -255,9 +254,9 @@ PARAMETER_STRUCTS = (
 def read_cresis(stored, *, compensated=False):
     """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
 
-    `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax
-    * maxData + minData``. `Time` may be row or column; surface, attitude and `Bottom` may be
-    missing. GPS seconds lose their leap seconds.
+    `Data` is linear power, or, in a file with `minData` and `maxData`, integers for which ``dB =
+    Data / intmax * maxData + minData``. `Time` may be a row or a column. Surface, attitude and
+    `Bottom` may be missing. Leap seconds are removed from GPS time.
     """
     values = stored.read((*OTHERS, *ALONG_TRACK, *PARAMETER_STRUCTS))
     is_gps = "GPS_time" in values
@@ -266,7 +265,7 @@ def read_cresis(stored, *, compensated=False):
     if not kept[0] >= 0 or (np.diff(kept) != 1).any():
         expected = "consecutive indices from 1 up"
         raise refusal(stored.path, "Truncate_Bins", expected, f"{kept[0] + 1:g} first")
-    # `Time` was truncated along with the data, or is as long as the padded traces were before.
+    # `Time` is either truncated like the data, or as long as the padded traces before truncation.
     time_is_padded = kept.size < time.size
     content = {
         "Data": np.asarray(values["Data"]),
@@ -294,7 +293,7 @@ def read_cresis(stored, *, compensated=False):
 
 
 def l1b_content(segment, echogram):
-    """Variables of a CReSIS L1B file of an echogram of `snowsim.simulate`."""
+    """Variables of the CReSIS L1B file of a simulated echogram, by name."""
     centre_hz = echogram.attrs["centre_hz"]
     half_hz = echogram.attrs["bandwidth_hz"] / 2
     sweep = {"f0": centre_hz - half_hz, "f1": centre_hz + half_hz, "fmult": 1.0}
@@ -314,6 +313,6 @@ def l1b_content(segment, echogram):
 
 
 def parameters(segment, attributes):
-    """Struct of parameters: radar, season and segment, as far as the echogram tells."""
+    """Struct of parameters: radar and season, empty if `attributes` lack them, and segment."""
     known = {name: str(attributes.get(name, "")) for name in PARAMETERS}
     return known | {"day_seg": segment, "sw_version": {"ver": "snowsim"}}

@@ -25,23 +25,24 @@ from snowsim.io.times import leap_seconds
 from snowsim.progress import shown
 
 COLUMNS = ("frame", "echogram", "layers", "role")
-# A frame to track needs no layers; its echogram may have another role in another row.
+# A frame to track needs no layers. Its echogram may have another role in another row.
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
-# A share of an echogram's range lines, and how near lines of layers lie to it that are the same.
+# Layers have the clock of their echogram if this share of its range lines has a line of the layers
+# within SAME_LINE.
 MOST_LINES = 0.99
 SAME_LINE = np.timedelta64(1, "ms")
 
 
 def read_frames(path):
-    """Read the table of frames and check it, without opening the files it names.
+    """Table of frames, checked without opening the files that it names.
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to
     the table's folder; made absolute), `role` ("statistics", "train", "validation", "test", or
-    "track", which needs no layers). Lines that begin with # are remarks. An echogram
-    held out ("test", "validation") may have no other role but "track". One ValueError lists all
-    rows that fail, one a line.
+    "track", which needs no layers). Lines that begin with # are comments. An echogram held out
+    ("test", "validation") may have no other role except "track". One ValueError lists all rows that
+    fail, one a line.
     """
     path = Path(path)
     with library_errors(path, "table: expected tab-separated text"):
@@ -64,9 +65,9 @@ def read_frames(path):
 
 
 def _troubles(table):
-    """Lines of frames that fail, each with the first reason for it."""
+    """Messages of rows that fail, one a row, with the first reason."""
     real = table["echogram"].map(os.path.realpath)
-    # To track a frame is no use of its data.
+    # Tracking a frame does not use its data for training or scores.
     role = table["role"].mask(table["role"] == TRACK)
     n_roles = role.groupby(real).transform("nunique")
     is_held_out = role.isin(HELD_OUT).groupby(real).transform("any")
@@ -92,18 +93,16 @@ def _troubles(table):
 
 
 def check_frames(table, *, bin_s=None, blocks=False, **options):
-    """Read every frame but those to track, one at a time; one ValueError names all that fail.
+    """Table of all frames but those to track, after reading each; with sizes and counts.
 
-    `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin
-    size that most of them have. With `blocks`, all frames but those of role "statistics" are
-    cut into scenes, too, and a frame that gives no scene fails.
-
-    Returns the table without frames to track, and with these columns:
+    One ValueError names all frames that fail. `bin_s` and `options` are those of `read_frame`;
+    without `bin_s`, all frames must have the same bin size. With `blocks`, all frames but those of
+    role "statistics" are cut into scenes too, and a frame without a scene fails. Columns added:
 
     - `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s` of the frame;
-    - `n_scenes` cut from it, `n_skipped` blocks that are no scenes, and `n_flagged_blocks`, those
-      of the skipped blocks that have a flagged line;
-    - `n_flagged_lines`, and `flags`: how many range lines have which flag.
+    - `n_scenes`, `n_skipped` (blocks that are no scenes) and `n_flagged_blocks` (skipped blocks
+      with a flagged line);
+    - `n_flagged_lines`, and `flags` (text: number of range lines by flag).
     """
     table = table[table["role"] != TRACK]
     rows = []
@@ -130,7 +129,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
 
 
 def _summary(row, echogram, layers, *, blocks):
-    """One frame's values for the columns that `check_frames` adds."""
+    """Values of one frame in the columns of `check_frames`."""
     cuts_blocks = blocks and row.role != "statistics"
     scenes, skipped = scenes_of_frame(row, echogram, layers) if cuts_blocks else ([], {})
     n_flagged_lines, flags = count_flagged(echogram)
@@ -149,7 +148,7 @@ def _summary(row, echogram, layers, *, blocks):
 
 
 def scenes_of_frame(row, echogram, layers):
-    """Scenes of a frame, and why its other blocks were skipped; ValueError if no scene is left."""
+    """Scenes of a frame, and reasons for its skipped blocks; ValueError if it has no scene."""
     scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
@@ -167,7 +166,7 @@ def read_frame(
     flagged_by=FLAGGED_BY,
     source=None,
 ):
-    """Echogram and layers of one row of the table, fit for statistics and blocks.
+    """Echogram and layers of one row of the table, joined for statistics and blocks.
 
     `row` has the attributes `echogram` and `layers`, as rows of `table.itertuples()` have. The
     echogram is resampled to range bins of `bin_s` [s], by default its own, and levelled by
@@ -199,7 +198,7 @@ def read_frame(
 
 
 def _layers_from_surface(path, layer_names):
-    """Layers of a file from the surface down: all that it has, or those named, NaN where absent."""
+    """Layers of a file from the surface down: all, or those of `layer_names`, NaN if missing."""
     layers = read_layers(path, names=layer_names, missing="skip")
     if layer_names is not None:
         absent = {"twtt": np.nan, **ABSENT}
@@ -213,7 +212,7 @@ def _layers_from_surface(path, layer_names):
 
 
 def _check_clock(path, layers, echogram):
-    """Refuse layers whose lines are those of the echogram only if leap seconds are left out."""
+    """Raise ValueError if the layers fit the echogram only after a shift by leap seconds."""
     ours, theirs = (pd.Index(each["slow_time"].values) for each in (echogram, layers))
     late_s = leap_seconds(ours.values[0])
     reach = np.median(np.diff(theirs)) if theirs.size > 1 else SAME_LINE

@@ -14,7 +14,7 @@ from snowsim.io.containers import (
     POSITION,
     format_of,
     one_line_errors,
-    opened,
+    open_container,
     read_values,
     write_matlab,
 )
@@ -23,30 +23,30 @@ from snowsim.io.files import library_errors, locked, one_line, refusal, write_da
 from snowsim.io.times import gps_seconds, utc_times
 
 SURFACE = "surface"
-TRACKED = "snow_"  # names of layers that `snowsim track` found begin so
-# What the first two entries of an old file are where it gives no names: the format's convention.
+TRACKED = "snow_"  # begins the names of layers that `snowsim track` found
+# Names of the first two entries of an old file without names, by convention of the format.
 OLD_NAMES = ("surface", "bottom")
 AXES = ("layer", "slow_time")
-# What a dataset holds on them, and its attributes.
+# Variables on these axes, and their attributes.
 PICKS = {
     "twtt": {"units": "s"},
     "quality": {"flag_values": "1 good, 2 moderate, 3 bad"},
     "type": {"flag_values": "1 manual, 2 automatic"},
 }
 MANUAL = 1
-# Where nobody picked.
+# Values on range lines without a pick.
 ABSENT = {"quality": 1, "type": 2}
-# So far the surface of one line cannot lie above that of all others: 30 m of air, or 1.5 m if it is
-# that many times as far as any others of them are apart.
+# A surface this far above all others is a placeholder, not a surface: 30 m of air; or 1.5 m, if
+# that is N_GAPS times the largest gap among the others.
 FAR_S = 2e-7
 NEAR_S = 1e-8
 N_GAPS = 5
-# Names in old files, and of Open Polar Radar, by those of new ones.
+# Names in old files and in those of Open Polar Radar, by the names in new CReSIS files.
 RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 
 
 def read_layers(path, *, names=None, missing="refuse"):
-    """Layers dataset of a file, whose format is determined from its content.
+    """Layers dataset of a file; its format follows from its content.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def read_layers(path, *, names=None, missing="refuse"):
     names : iterable of str, optional
         Read these layers only, such as ``["surface", "Koenig_2"]``.
     missing : {"refuse", "skip"}
-        What becomes of a file that has no layer of one of the `names`.
+        Whether a file without a layer of one of the `names` is refused, or that name is left out.
 
     Returns
     -------
@@ -94,13 +94,13 @@ def _read_layers(path, names, missing):
         "cresis_layer_data": read_cresis_layer_data,
         "opr_layers": read_opr_layers,
     }
-    stored = opened(path)
+    stored = open_container(path)
     kind = format_of(stored, readers)
-    return chosen(readers[kind](stored), names, missing, stored.path)
+    return select_layers(readers[kind](stored), names, missing, stored.path)
 
 
 def open_segment(paths):
-    """Layers of the frames of a segment as one dataset, frames in order of their times.
+    """Layers of all frames of a segment as one dataset, in order of time.
 
     Parameters
     ----------
@@ -110,16 +110,15 @@ def open_segment(paths):
     Returns
     -------
     xarray.Dataset
-        As of `read_layers`; a layer of the same name is the same in all frames, NaN where a frame
-        lacks it. Layers come by their names: the surface, then by number; from the surface
-        down where they would cross. `frame` along slow_time
-        is the name of the file.
+        As of `read_layers`. Layers of the same name are one layer, NaN in frames without it. They
+        are in order of their names: the surface, then by number; or, if layers in this order would
+        cross, from the surface down. `frame` (slow_time) is the name of the file.
 
     Raises
     ------
     ValueError
-        In one line: no file, one that `read_layers` refuses, frames that overlap in time, or
-        tracked frames of several segments.
+        In one line, if there is no file, `read_layers` refuses one, frames overlap in time, or
+        tracked frames belong to several segments.
     """
     paths = list(paths)
     where = "segment"
@@ -158,7 +157,7 @@ def open_segment(paths):
     in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
     by_name = joined.sel(layer=in_order)
     twtt = by_name["twtt"].transpose(*AXES).values
-    if crossing_layers(twtt).any():  # names that are years, or have a group
+    if crossing_layers(twtt).any():  # such names are years, or have a group
         by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
     check_layers(by_name, f"{where} of {paths[0]}")
     return by_name
@@ -167,8 +166,8 @@ def open_segment(paths):
 def read_cresis_layers(stored):
     """Layers of a new CReSIS layer file (`CSARP_layer`).
 
-    Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
-    comes twice), without one they are "id 1", "id 2", ...
+    Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it, as group:name if two
+    layers have the same name. Without an organizer they are "id 1", "id 2", ...
     """
     values = stored.read(("id", *PICKS, *RENAMED, "peak_twtt", "place"))
     values = {RENAMED.get(name, name): value for name, value in values.items()}
@@ -179,7 +178,7 @@ def read_cresis_layers(stored):
     shape = (ids.size, np.size(values["GPS_time"]))
     absent = {name: np.full(shape, value) for name, value in ABSENT.items()}
     picks = {name: np.asarray((absent | values)[name]) for name in PICKS}
-    # A single layer, or line, comes without its axis.
+    # An array of a single layer, or of a single line, has lost that axis.
     picks = {name: of if of.ndim == 2 else of.reshape(shape) for name, of in picks.items()}
     named = _organized(stored.path)
     names = [named.get(number, (f"id {number:g}", "")) for number in ids]
@@ -200,8 +199,8 @@ def read_cresis_layers(stored):
 def read_cresis_layer_data(stored):
     """Layers of an old CReSIS layer file (`CSARP_layerData`).
 
-    Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
-    2. Entries without a name are the surface and the bottom, in this order, as the format has it.
+    Picks are `layerData{i}.value{2}.data`. The type is 1 where `value{1}` has a manual pick, else
+    2. The first two entries are the surface and the bottom if they have no names.
     """
     values = stored.read(("GPS_time", "layerData", *POSITION))
     entries = values["layerData"]
@@ -225,9 +224,9 @@ def read_cresis_layer_data(stored):
 
 
 def read_opr_layers(stored):
-    """Layers dataset of Open Polar Radar as it stands on disk, (layer, slow_time).
+    """Layers dataset of an Open Polar Radar file, with axes in the order (layer, slow_time).
 
-    A single layer without a `layer` dimension gets one.
+    A single layer without the dimension `layer` gets it.
     """
     dataset = stored.read()
     for name in PICKS:
@@ -236,17 +235,17 @@ def read_opr_layers(stored):
     return dataset.transpose(*AXES, ...)
 
 
-def chosen(dataset, names, missing, where):
-    """Layers of the names wanted, checked.
+def select_layers(dataset, names, missing, where):
+    """Layers of the given `names`, or all if None, checked.
 
-    Where layers have names, only those with picks, from the surface down; numbered ones keep their
-    order, the first being the surface.
+    Named layers are ordered from the surface down, and those without picks are left out. Numbered
+    layers keep their order and are all kept; the first is the surface.
     """
-    index = dataset.get_index("layer")  # numbers where the file has no coordinate of this name
+    index = dataset.get_index("layer")  # numbers, if the file has no coordinate `layer`
     named = index.dtype.kind in "OUS"
     labels = index.astype(str)
     wanted = labels if names is None else pd.Index(list(names), dtype=str)
-    # Zero is no travel time: it stands where nobody picked.
+    # Zero means that nobody picked.
     dataset["twtt"] = dataset["twtt"].where(dataset["twtt"] != 0)
     has_picks = dataset["twtt"].notnull().any("slow_time").values
     keep = np.flatnonzero(labels.isin(wanted) & (has_picks | (not named)))
@@ -263,9 +262,9 @@ def chosen(dataset, names, missing, where):
 
 
 def _without_placeholders(dataset, where):
-    """Layers without lines of the uppermost that hold one time far above the others; warns of it.
+    """Layers without placeholders of the surface: picks at one time far above all others.
 
-    It stands for the first range bin, where nobody picked.
+    Such picks lie at the first range bin, on lines that nobody picked. Warns of them.
     """
     surface_s = dataset["twtt"][0].values
     times_s = np.unique(surface_s[np.isfinite(surface_s)])
@@ -285,11 +284,11 @@ def _without_placeholders(dataset, where):
 
 
 def order_from_surface(twtt, names):
-    """Order of layers (layer, range_line) from the surface down, (layer,) of int.
+    """Indices of layers (layer, range_line) from the surface down, (layer,) of int.
 
-    Layer i goes before j if it is above it on some line both are picked on. Layers that share no
-    line are ordered by their median depth below the surface. The layer named "surface" goes before
-    all others. Of layers that cross, also by way of others, the shallowest goes first.
+    Layer i goes before j if it is above j on a line where both are picked. Layers that share no
+    line are ordered by their median depth below the surface. The layer named "surface" goes first.
+    Of layers that cross, directly or through others, the shallowest goes first.
     """
     twtt = pd.DataFrame(twtt)
     above = np.array([(row <= twtt.values).any(axis=1) for row in twtt.values])
@@ -311,19 +310,19 @@ def order_from_surface(twtt, names):
 
 
 def begins_with_surface(layers):
-    """Whether the first layer is named the surface, or layers are numbered, the first being it."""
+    """True if the first layer is named surface, or if layers have numbers instead of names."""
     index = layers.get_index("layer")
     return index.dtype.kind not in "OUS" or surface_among(index.astype(str)) == 0
 
 
 def surface_among(names):
-    """Which of the names, with or without a group in front, is the snow surface; None if none."""
+    """Index of the name of the snow surface, with or without its group, or None."""
     plain = [name.rpartition(":")[2] for name in names]
     return plain.index(SURFACE) if SURFACE in plain else None
 
 
 def find_organizer(path):
-    """The organizer file beside a CReSIS layer file, which names its layers, or None."""
+    """Path of the organizer file beside a CReSIS layer file, which names its layers, or None."""
     path = Path(path)
     segment = re.search(r"\d{8}_\d{2}", path.stem)
     organizer = path.with_name(f"layer_{segment.group()}.mat") if segment else path
@@ -331,14 +330,14 @@ def find_organizer(path):
 
 
 def _organized(path):
-    """Name and group of layers by their id, as the organizer file beside a layer file has them."""
+    """Name and group of each layer by its id, from the organizer file beside a layer file."""
     organizer = find_organizer(path)
     if organizer is None:
         return {}
     values = read_values(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
     ids = np.ravel(values["lyr_id"])
     cells = (values["lyr_name"], values.get("lyr_group_name", [""] * ids.size))
-    # One cell alone comes as what it holds.
+    # A single cell has been replaced by its content.
     texts = ([cell] if isinstance(cell, str) else map(_text, cell) for cell in cells)
     return dict(zip(ids, zip(*texts, strict=True), strict=True))
 
@@ -351,12 +350,12 @@ def _is_simulated(path):
 
 
 def _text(value):
-    """Text of a file, empty where it has none there."""
+    """The value if it is text, else an empty text."""
     return value if isinstance(value, str) else ""
 
 
 def _layers_dataset(values, picks, names, source):
-    """Dataset of all layers of a CReSIS file, of its values, picks and (name, group) of layers."""
+    """Dataset of all layers of a CReSIS file from its values, picks and (name, group) pairs."""
     plain, groups = zip(*names, strict=True)
     full = [f"{group}:{name}" if plain.count(name) > 1 else name for name, group in names]
     variables = {
@@ -389,36 +388,36 @@ SIMULATED = "snow layer, simulated"
 
 
 def write_layer_files(folder, segment, frames, *, force=False):
-    """Write layers of a segment as CReSIS layer files, in `folder/CSARP_layer/segment`.
+    """Write layers of a segment as CReSIS layer files to `folder/CSARP_layer/segment`.
 
-    `Data_SEGMENT_FFF.mat` for each frame, and `layer_SEGMENT.mat`, which names the layers of all.
-    Layer 0 is the surface; layer i is `snow_i`. Every file holds all layers of the segment, also
-    those without a pick in its frame: xopr joins frames only if they have the same.
+    These are `Data_SEGMENT_FFF.mat` for each frame, and the organizer `layer_SEGMENT.mat`, which
+    names the layers. Layer 0 is the surface; layer i is `snow_i`. Every file has all layers of the
+    segment, with or without picks, because xopr joins only frames with the same layers.
 
     Parameters
     ----------
     folder : path_like
-        Where the tree begins.
+        Root of the tree of folders.
     segment : str
         Day and number, such as "20120330_04".
     frames : mapping of int to xarray.Dataset
         By number of the frame: `twtt` [s], `quality` (1 good, 2 moderate, 3 bad), `type` (1 manual,
         2 automatic) on (layer, slow_time), and `Latitude`, `Longitude`, `Elevation` along
-        slow_time. Where there is a coordinate `layer`, it names them, surface and snow_i, else
-        layers are numbered as they come. A frame may lack layers that others have.
+        slow_time. A coordinate `layer` names the layers surface and snow_i; without it they are
+        numbered in their order. A frame may lack layers of other frames.
     force : bool
-        Replace files that are there.
+        Replace existing files.
 
     Returns
     -------
     list of Path
-        What was written, the organizer last.
+        Files written, the organizer last.
 
     Raises
     ------
     ValueError
-        If a file is there and `force` is not set; if the folder holds layer files of other frames,
-        whose layers the organizer would name anew; if layers cross, or a variable is missing.
+        If a file exists and `force` is not set; if the folder has layer files of other frames of
+        the segment, whose layers would get other names; if layers cross, or a variable is missing.
     """
     of_paths = {_frame_path(folder, segment, number): frames[number] for number in frames}
     refuse_other_frames(folder, segment, frames)  # before the folder of the segment is made
@@ -434,11 +433,10 @@ def write_layer_files(folder, segment, frames, *, force=False):
 
 
 def write_cresis(path, dataset):
-    """Write an echogram or layers of `snowsim.simulate` as CReSIS files, MAT v5.
+    """Write a simulated echogram or its layers as CReSIS files, MAT v5.
 
-    The name tells segment and frame; GPS seconds have their leap seconds. An echogram is an L1B
-    file, layers are a layer file and the organizer beside it; ValueError where one is there that
-    names others.
+    The file's name holds segment and frame. An echogram becomes an L1B file; layers become a layer
+    file and the organizer beside it. ValueError if an organizer there has other names.
     """
     segment, _ = named_frame(path)
     if "Data" in dataset:
@@ -454,9 +452,9 @@ def write_cresis(path, dataset):
 
 
 def layer_numbers(layers):
-    """Number of every layer of a dataset by its name, 0 the surface; else as they come.
+    """Numbers of the layers of a dataset from their names, 0 the surface; without names 0, 1, ...
 
-    ValueError for names that are no such numbers: a layer file would not keep them.
+    ValueError for other names than surface and snow_i, which a layer file would not keep.
     """
     if "layer" not in layers.coords:
         return np.arange(layers.sizes["layer"])
@@ -471,9 +469,9 @@ def layer_numbers(layers):
 
 
 def refuse_other_frames(folder, segment, numbers):
-    """Refuse to track frames of a segment into a folder that holds layer files of others of it.
+    """Raise ValueError if a folder has layer files of other frames of the segment.
 
-    One organizer names the layers of all.
+    One organizer names the layers of all frames, so that all must be tracked at once.
     """
     own = {_frame_path(folder, segment, number) for number in numbers}
     parent = _parent(folder, segment)
@@ -492,20 +490,20 @@ def _frame_path(folder, segment, number):
 
 
 def write_layers(path, layers, *, force=False):
-    """Write the same layers of one frame as NetCDF, with all that the dataset has along."""
+    """Write layers of one frame as NetCDF, with all variables of the dataset."""
     if not force:
         refuse_existing(path)
     write_dataset(path, layers, compress=True)
 
 
 def refuse_existing(path):
-    """Refuse to write over a file that is there."""
+    """Raise ValueError if the file exists."""
     if Path(path).exists():
         raise refusal(path, "file", "none, or --force (force=True) to write over it", "one")
 
 
 def _contents(segment, frames, origin):
-    """Variables of layer files, by path as their layers are, and of their organizer, the last."""
+    """Variables of layer files by path, the organizer last; `frames` holds layers by path."""
     n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
     contents = {}
     for path, layers in frames.items():
@@ -528,7 +526,7 @@ def _contents(segment, frames, origin):
 
 
 def _frame_content(segment, layers, n_layers):
-    """Variables of a frame's layer file."""
+    """Variables of the layer file of one frame, by name."""
     shape = (n_layers, layers.sizes["slow_time"])
     numbers = layer_numbers(layers)
     twtt = np.full(shape, np.nan)
@@ -561,5 +559,5 @@ def _layer_names(n_layers):
 
 
 def _cell(values):
-    """A row of MATLAB cells."""
+    """Values as a row of MATLAB cells."""
     return np.fromiter(values, dtype=object)[None]

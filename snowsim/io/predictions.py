@@ -13,7 +13,7 @@ import numpy as np
 
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
-from snowsim.io.containers import opened
+from snowsim.io.containers import open_container
 from snowsim.io.files import content_of, library_errors, listed, picture_format, refusal
 from snowsim.io.pairs import ANY_GREY, GREY_LABELS, layers_of_labels, pair_labels, read_image
 
@@ -148,7 +148,7 @@ def read_picks(path, bin_s=None):
     """
     if path.suffix not in LAYER_FILES:
         return Picks(read_labels(path)[1])
-    layers = read_layers(opened(path))
+    layers = read_layers(open_container(path))
     if "row" in layers:
         return Picks(layers["row"].values)
     if bin_s is None:

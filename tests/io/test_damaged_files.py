@@ -314,10 +314,10 @@ def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):
 def test_a_file_that_outlives_python_does_not_crash_at_its_end(tmp_path):
     path = tmp_path / "a.mat"
     formats.write_mat73(path, {"Data": np.zeros((3, 4))})
-    held = f"opened({str(path)!r})"
+    held = f"open_container({str(path)!r})"
     code = f"""
 import threading, time
-from snowsim.io.containers import opened
+from snowsim.io.containers import open_container
 threading.Thread(target=lambda held: time.sleep(60), args=({held},), daemon=True).start()
 """
     command = [sys.executable, "-c", code]
