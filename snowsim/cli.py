@@ -62,7 +62,7 @@ def export(sources, folder, layers, force):
     """  # noqa: D205, D301
     from snowsim.io.frames import read_frame, scenes_of_frame
     from snowsim.io.pairs import check_empty, export_pairs
-    from snowsim.progress import shown
+    from snowsim.progress import with_progress
 
     if not force:
         check_empty(folder)
@@ -78,7 +78,7 @@ def export(sources, folder, layers, force):
         scenes, skipped = scenes_of_frame(row, echogram, picked)
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
-    echo_counts(export_pairs(folder, shown(scenes, unit="scene")))
+    echo_counts(export_pairs(folder, with_progress(scenes, unit="scene")))
 
 
 def scene_set(source):

@@ -1,4 +1,4 @@
-"""Scenes to train on, for people who script, without a run of the workflow."""
+"""Training scenes for scripts, without a run of the workflow."""
 
 import dataclasses
 import warnings
@@ -16,7 +16,7 @@ from snowsim.io.pairs import SPACING, check_empty, export_pairs
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render_scene
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.seeding import generator, random_stream
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
@@ -26,23 +26,23 @@ CUT = ("n_pixels_cut", "n_pixels_drawn")
 
 @dataclass(frozen=True)
 class _Recipe:
-    """How each scene of `Scenes` is made."""
+    """Settings by which each scene of `Scenes` is made."""
 
-    draw: Callable  # a scene of some `name` by its `rng`
+    draw: Callable  # draw(name=, rng=) is a scene that is not rendered yet
     n_range_lines: int
-    n_looks: float | None  # None: the flight's, or the paper's
+    n_looks: float | None  # None: those of the flight, or of the paper
     seed: int
-    n_range_bins: int | None
+    n_range_bins: int | None  # None: as many as the layers of each scene need
     renderer: Callable | None  # None: PHY
     options: dict  # of `snowsim.phy.render_scene`
     spacing: dict  # range bin [s] and line spacing [m] of the flight
 
 
 class Scenes(Sequence):
-    """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line).
+    """Sequence of scenes, drawn and rendered on request: image and mask (range_bin, range_line).
 
-    A mask holds every drawn layer, those too faint to be seen among them; further echoes below the
-    deepest are in the image but in no mask.
+    Both are uint8. The mask has all layers, even those too faint to be seen. The image also has
+    echoes below the deepest layer, which the mask lacks.
 
     A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
     them, `n_pixels_cut` of all `n_pixels_drawn`; `write` warns of their sum over all scenes,
@@ -119,7 +119,7 @@ class Scenes(Sequence):
         """
         if not force:
             check_empty(folder)
-        indices = shown(range(len(self)) if indices is None else indices, unit="scene")
+        indices = with_progress(range(len(self)) if indices is None else indices, unit="scene")
         counts = []
 
         def counted():
@@ -193,9 +193,10 @@ def scenes(
     Parameters
     ----------
     n : int
+        Number of scenes.
     statistics : "reference", path_like or xarray.Dataset, optional
-        Statistics of a flight: those of the synthetic reference flight, which come with the
-        package, or others of `snowsim.statistics`.
+        Statistics of a flight, from `snowsim.statistics`. By default those of the synthetic
+        reference flight, which come with the package.
     renderer : "phy" or callable, optional
         PHY, or any function of a `snowsim.echogram.Scene` with its layers and echoes: it gives
         (range_bin, range_line) of uint8, grey levels, or of floats, linear power above 0. What it
@@ -205,13 +206,13 @@ def scenes(
         Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
         any `n`.
     n_range_lines, n_range_bins : int, optional
-        Size of all images; by default each is as high as its layers require, so that images do not
-        stack. Layers below `n_range_bins` are cut off, see `Scenes`.
+        Size of all images. By default each image is as high as its layers require, so that heights
+        differ. Layers below `n_range_bins` are cut off, see `Scenes`.
     recipe : {"measured", "paper"}, optional
-        Layers as in the flight, or as Yari et al. (2021) print them, from statistics of the
-        estimator `paper`; see `snowsim.labels`.
+        Layers as measured in the flight, or drawn as Yari et al. (2021) print, which needs
+        statistics of the estimator `paper`; see `snowsim.labels`.
     n_looks : float or None, optional
-        Averaged in a pixel; None: as in the flight, or as printed.
+        Number of looks that are averaged in a pixel; None: as in the flight, or as printed.
     exact : bool, optional
         See `snowsim.phy.render`.
 

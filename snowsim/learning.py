@@ -1,4 +1,4 @@
-"""Training of a tracker on a user's own scenes, for the command `snowsim train`; needs torch."""
+"""Training of a tracker on own scenes, for the command `snowsim train`; needs torch."""
 
 import warnings
 from pathlib import Path
@@ -9,7 +9,7 @@ from torch.utils.data import ConcatDataset, Subset
 from snowsim.io.models import read_tracker, shipped_trackers, write_tracker
 from snowsim.limits import check_count, check_values
 from snowsim.metrics.edges import score, select_images, stack_counts
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.tracker import (
     Settings,
     Training,
@@ -26,14 +26,14 @@ from snowsim.tracker import (
 from snowsim.tracker.card import NUMBERS
 from snowsim.training import check_device, load_weights
 
-# Shape of a tracker that starts anew, and range bin [s] of the package's.
+# Size of a network that starts from random weights.
 WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10
 LINE_SPACING_M = 5.2
 SPACINGS = {"bin_size_s": ("range bins", "s"), "line_spacing_m": ("range lines", "m")}
 SAME = 1e-6  # relative difference up to which two spacings are the same
-ONE_IN = 10  # one scene in this many is held out for the calibration
+HELD_OUT_ONE_IN = 10  # one scene in this many is held out for the calibration
 LEAST_SCORED = 10  # fewest held-out scenes for which a score is reported
 N_BOOTSTRAP = 1000
 
@@ -65,8 +65,9 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     Returns
     -------
     dict
-        The card. `held_out` tells `n_scenes` and, of ten or more, `ods` of the fused output with
-        the `low` and `high` end of its 95 % interval, by the bootstrap over scenes.
+        The card. Its `held_out` has `n_scenes`, the number of held-out scenes. If these are ten
+        or more, it also has the `ods` of the fused output and the ends, `low` and `high`, of its
+        95 % interval by bootstrap over scenes.
 
     Raises
     ------
@@ -84,50 +85,53 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     known = {}
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
-        begun_with, known = network_of_tracker(start)
-        shape = {name: getattr(begun_with, name) for name in shape} | {"network": begun_with.kind}
+        start_network, known = network_of_tracker(start)
+        shape = {name: getattr(start_network, name) for name in shape}
+        shape["network"] = start_network.kind
     training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
     if start is not None:
-        load_weights(training.network, begun_with.state_dict(), str(start))
+        load_weights(training.network, start_network.state_dict(), str(start))
     places = range(len(scenes))
-    taken = Subset(scenes, [place for place in places if place % ONE_IN])
-    held = Subset(scenes, places[::ONE_IN])
-    steps = train_steps(training, TrainingSet(taken, seed=seed))
-    with shown(None, n_steps, unit="gradient") as bar:
+    train_scenes = Subset(scenes, [place for place in places if place % HELD_OUT_ONE_IN])
+    held_out = Subset(scenes, places[::HELD_OUT_ONE_IN])
+    steps = train_steps(training, TrainingSet(train_scenes, seed=seed))
+    with with_progress(None, n_steps, unit="gradient") as bar:
         for step, _ in steps:
             bar.update(step - bar.n)
     network = trained_network(training.network.state_dict(), training.settings)
-    logits = [fused_logits(network, scene.image) for scene in held]
-    calibration = calibrate(logits, held)
-    begun = "" if start is None else f", starting from {start}"
+    logits = [fused_logits(network, scene.image) for scene in held_out]
+    calibration = calibrate(logits, held_out)
+    origin = "" if start is None else f", starting from {start}"
     card = make_card(
         Path(path).stem,
         calibration,
-        trained_on=f"{len(taken)} scenes of the user's, {n_steps} gradients of 4 crops{begun}",
+        trained_on=(
+            f"{len(train_scenes)} scenes of the user's, {n_steps} gradients of 4 crops{origin}"
+        ),
         bin_s=bin_s,
         line_spacing_m=line_spacing_m,
         ranges=known.get("ranges"),
         confidence=known.get("confidence"),
-        limits=f"calibrated on {len(held)} scenes of the same set",
+        limits=f"calibrated on {len(held_out)} scenes of the same set",
     )
-    card["held_out"] = held_out_score([calibration.probability(each) for each in logits], held)
-    if len(held) < LEAST_SCORED:
+    card["held_out"] = held_out_score([calibration.probability(each) for each in logits], held_out)
+    if len(held_out) < LEAST_SCORED:
         card["calibration_ods"] = None
     write_tracker(path, to_onnx(network, calibration.offset), card)
     return card
 
 
 def held_out_score(probability, scenes):
-    """Number of scenes held out and, if they are enough, ODS of their maps with its interval."""
-    told = {"n_scenes": len(scenes)}
+    """Number of held-out scenes and, if they are enough, ODS of their maps with its interval."""
+    result = {"n_scenes": len(scenes)}
     if len(scenes) < LEAST_SCORED:
-        return told
+        return result
     counts = stack_counts(edge_counts(probability, scenes)[0])
     draws = np.random.default_rng(0).integers(len(scenes), size=(N_BOOTSTRAP, len(scenes)))
     resampled = [score(select_images(counts, draw))["ods"] for draw in draws]
     low, high = np.percentile(resampled, [2.5, 97.5])
     found = {"ods": score(counts)["ods"], "low": low, "high": high}
-    return told | {name: round(float(value), 4) for name, value in found.items()}
+    return result | {name: round(float(value), 4) for name, value in found.items()}
 
 
 def _spacing(scenes, name, given, usual):
@@ -151,7 +155,7 @@ def _spacing(scenes, name, given, usual):
 
 
 def network_of_tracker(name):
-    """Network and card of a tracker, by the name of one of the package's or by its file."""
+    """Network and card of a tracker, given its name in the package or its file."""
     shipped = shipped_trackers()
     path = Path(shipped.get(name, name))
     if not path.is_file():

@@ -1,8 +1,8 @@
-"""Progress bars on a terminal; there is none where output is no terminal."""
+"""Progress bars, shown only if the output is a terminal."""
 
 from tqdm import tqdm
 
 
-def shown(steps, total=None, *, unit):
-    """Iterate over steps beside a bar that counts them in a unit and disappears at the end."""
+def with_progress(steps, total=None, *, unit):
+    """Steps to iterate over, with a progress bar that counts them and disappears at the end."""
     return tqdm(steps, unit=unit, total=total, leave=False, disable=None)

@@ -25,7 +25,7 @@ from snowsim.metrics.edges import (
     thresholds_of,
 )
 from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.tracker import pick_layers
 
 POSITIVE = ("max_distance_bins", "bin_s")
@@ -142,7 +142,7 @@ def score_folders(
 
         def each(function, **settings):
             steps = mapped(partial(function, **settings), pairs)
-            return list(shown(steps, len(pairs), unit="image"))
+            return list(with_progress(steps, len(pairs), unit="image"))
 
         threshold = counts = scored = None
         if not picks:
@@ -393,7 +393,7 @@ def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
     resampled = _errors(pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns))
     if counts is not None:
         stacked = stack_counts(counts)
-        resamples = shown(draws, unit="resample")
+        resamples = with_progress(draws, unit="resample")
         scores = [scored(select_images(stacked, draw)) for draw in resamples]
         images = _with_edge_scores(images, [scored([image]) for image in counts])
         whole = _with_edge_scores(whole, [scored(stacked)])

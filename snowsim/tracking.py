@@ -27,7 +27,7 @@ from snowsim.io.layers import (
 from snowsim.io.models import read_tracker, shipped_trackers
 from snowsim.io.pairs import BLURRED, read_image
 from snowsim.io.pictures import write_picture
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.tracker import (
     canonical,
     checked_card,
@@ -227,7 +227,7 @@ def track_files(
     named = {path: named_frame(path) for path in paths}
     n_failed = 0
     frames = []
-    progress = progress or partial(shown, unit="file")
+    progress = progress or partial(with_progress, unit="file")
     for path in progress(paths):
         try:
             _refuse_outputs(path, named, folder, png, force)

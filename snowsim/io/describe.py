@@ -12,7 +12,7 @@ from snowsim.io.files import content_of, is_zarr, one_line, picture_format
 from snowsim.io.pairs import ANY_GREY, SPACING, PairSet, read_image
 from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 
 # Attributes that say which radar recorded or simulated the data.
 RADAR = ("radar_name", "season_name", "day_seg", "centre_hz", "bandwidth_hz", "n_looks")
@@ -52,7 +52,7 @@ def _image(values):
 def _described_scenes(what, scenes):
     sizes = []
     spacings = {name: set() for name in SPACING}
-    for scene in shown(scenes, unit="scene"):
+    for scene in with_progress(scenes, unit="scene"):
         sizes.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
         for name in spacings.keys() & scene.notes.keys():
             spacings[name].add(scene.notes[name])

@@ -1,4 +1,4 @@
-"""Whole files only: write aside, then rename; and what is wrong with a file, in one line."""
+"""Files that are written whole or not at all, and errors of files as one line."""
 
 import errno
 import fcntl
@@ -10,10 +10,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
-# How pictures begin.
-PICTURES = {"PNG": b"\x89PNG\r\n\x1a\n", "JPEG": b"\xff\xd8\xff"}
-# What comes in place of data, by how it begins in lower case.
-OTHERS = {
+# First bytes of image formats.
+FIRST_BYTES = {"PNG": b"\x89PNG\r\n\x1a\n", "JPEG": b"\xff\xd8\xff"}
+# Files that people have in place of data, by their first bytes in lower case.
+NOT_DATA = {
     **dict.fromkeys((b"<!doctype html", b"<html"), "a web page: is a login needed to download it?"),
     b"version https://git-lfs": "a git-LFS pointer: git lfs pull brings the file",
     b"%pdf": "a PDF document",
@@ -23,81 +23,81 @@ HEAD_BYTES = 100  # by which content is known
 
 
 class BadFile(ValueError):
-    """What is wrong with a file, on one line; without its `path`, `library_errors` adds it."""
+    """Error of a file, as one line; if it has no `path`, `library_errors` adds that."""
 
-    def __init__(self, told, path=None):
-        super().__init__(one_line(f"{path}: {told}" if path else told))
+    def __init__(self, message, path=None):
+        super().__init__(one_line(f"{path}: {message}" if path else message))
         self.path = path
 
 
 def refusal(path, what, expected, found):
-    """The error of a bad file: variable, what was expected and found."""
+    """Error of a bad file: `what` (a variable or part of it), what was expected and what found."""
     return BadFile(f"{what}: expected {expected}, found {found}", path)
 
 
 def one_line(text, limit=400):
-    """Text on one line of printable characters, cut after `limit` of them."""
+    """Text as one line of at most `limit` printable characters."""
     printable = "".join(c if c.isprintable() else " " for c in str(text))
     text = " ".join(printable.split())
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
 def report(failed, head):
-    """Raise one ValueError of all lines that failed, if any did, after one that counts them."""
+    """Raise one ValueError with the line `head` and all lines of `failed`, unless that is empty."""
     if failed:
         raise ValueError("\n".join([head, *failed]))
 
 
 @contextmanager
 def library_errors(path, expected="expected a whole file"):
-    """Turn whatever is wrong with a file within the block into a `BadFile`, a ValueError.
+    """Turn every error of the block into a `BadFile` (a ValueError) that names the file.
 
-    Any error counts: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError,
-    zlib.error and many more. `expected` tells of those.
+    All exceptions are caught: on damaged files h5py, scipy, xarray and Pillow raise NameError,
+    SyntaxError, zlib.error and many more. The message for these begins with `expected`.
     """
     try:
         yield
     except BadFile as error:
         if error.path:
-            raise  # already the one line, of this file or of one beside it
+            raise  # this error names its file already: this one, or another that belongs to it
         raise BadFile(error, path) from error
     except Exception as error:
         if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
             raise
         found = getattr(error, "strerror", None) or f"{type(error).__name__} {error}"
-        told = f"{expected}, found {found}"
-        raise BadFile(told, path) from error
+        msg = f"{expected}, found {found}"
+        raise BadFile(msg, path) from error
 
 
 def listed(names):
-    """Names in order of the alphabet, as a message tells them."""
+    """Names in alphabetical order, separated by commas, for a message; "none" if there are none."""
     return one_line(", ".join(sorted(map(str, names))) or "none", 200)
 
 
 def is_zarr(path):
-    """Whether a path is a Zarr store."""
+    """True if a path is a Zarr store."""
     return any((path / name).is_file() for name in ZARR_FILES)
 
 
 def content_of(path, most=-1):
-    """Bytes of a file, the first `most` if that is not -1; none of a folder, as of Zarr.
+    """Bytes of a file, or the first `most` of them; no bytes for a folder, such as a Zarr store.
 
-    What comes in place of data is refused, by how it begins.
+    Files of `NOT_DATA`, such as a web page, are refused.
     """
     if path.is_dir():
         return b""
     with path.open("rb") as file:
         content = file.read(most)
     head = content[:HEAD_BYTES].strip(b"\xef\xbb\xbf \t\r\n").lower()
-    for start, what in OTHERS.items():
+    for start, what in NOT_DATA.items():
         if head.startswith(start):
             raise refusal(path, "content", "data", what)
     return content
 
 
 def picture_format(content):
-    """Which of `PICTURES` bytes are by their beginning, None for any other."""
-    return next((name for name, start in PICTURES.items() if content.startswith(start)), None)
+    """Name of the image format of bytes, "PNG" or "JPEG"; None if they are no such image."""
+    return next((name for name, start in FIRST_BYTES.items() if content.startswith(start)), None)
 
 
 def image_format_of(path):
@@ -109,13 +109,14 @@ def image_format_of(path):
 # pandas and xarray are imported where they are used: every job starts with this module, and they
 # take half a second each.
 
-# Less is no room: HDF5 keeps about as much in its buffers when it fails.
+# With less free space than this, the disk counts as full: HDF5 holds about as much in its buffers
+# when writing fails.
 FULL_DISK_BYTES = 2**20
 
 
 @contextmanager
 def written_whole(path):
-    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
+    """Path of a temporary file, which is renamed to `path` on success and removed on failure.
 
     The name is this process's own. What processes that no longer run left beside the same path is
     removed; that of other computers stays, since nobody here knows whether they run. Where HDF5
@@ -181,7 +182,7 @@ def write_bytes(path, content):
 
 
 def _no_room(path, error):
-    """Why a file could not be written, if that is for room on its disk; else None."""
+    """Reason why there was no room on the disk to write a file; None for any other error."""
     free = shutil.disk_usage(path.parent).free
     number = getattr(error, "errno", None)
     if free < FULL_DISK_BYTES or number == errno.ENOSPC:
@@ -194,7 +195,7 @@ def _no_room(path, error):
 def write_dataset(path, dataset, *, compress=False):
     """Write an xarray dataset as NetCDF-4, whole or not at all.
 
-    Floats keep their type, no fill value is added.
+    Floats keep their type, and no fill value is added. With `compress`, floats are compressed.
     """
     encoding = {}
     for name, variable in dataset.variables.items():
@@ -207,7 +208,7 @@ def write_dataset(path, dataset, *, compress=False):
 
 
 def read_dataset(path):
-    """Read a dataset of `write_dataset` into memory; ValueError if it is no whole NetCDF file."""
+    """Dataset, in memory, from a file of `write_dataset`; ValueError if the file is damaged."""
     import xarray as xr
 
     with library_errors(path, "expected a NetCDF-4 file"):
@@ -215,7 +216,7 @@ def read_dataset(path):
 
 
 def write_table(path, table):
-    """Write a pandas table without its index, as CSV or Parquet by the ending, whole or not."""
+    """Write a pandas table without its index, whole or not at all, as `.parquet` or else as CSV."""
     with written_whole(path) as aside:
         if Path(path).suffix == ".parquet":
             table.to_parquet(aside, index=False)
@@ -224,7 +225,7 @@ def write_table(path, table):
 
 
 def read_table(path):
-    """Read a table of `write_table`."""
+    """Pandas table from a file of `write_table`."""
     import pandas as pd
 
     return pd.read_parquet(path) if Path(path).suffix == ".parquet" else pd.read_csv(path)

@@ -22,7 +22,7 @@ from snowsim.io.files import library_errors, one_line, refusal, report
 from snowsim.io.layers import ABSENT, begins_with_surface
 from snowsim.io.pairs import NAME, PLAIN_NAME
 from snowsim.io.times import leap_seconds
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 
 COLUMNS = ("frame", "echogram", "layers", "role")
 # A frame to track needs no layers. Its echogram may have another role in another row.
@@ -109,7 +109,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     failed = []
     layer_names = options.get("layer_names") or ()
     missing = set(layer_names)
-    for row in shown(table.itertuples(), len(table), unit="frame"):
+    for row in with_progress(table.itertuples(), len(table), unit="frame"):
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
             rows.append(_summary(row, echogram, layers, blocks=blocks))

@@ -1,6 +1,6 @@
-"""Trained networks, unfinished trainings and trackers in files.
+"""Files of networks, unfinished trainings (both safetensors) and trackers (ONNX).
 
-Trackers need no safetensors, which is imported where networks are read and written.
+The package safetensors is imported only where it is used, since trackers do not need it.
 """
 
 import hashlib
@@ -12,32 +12,34 @@ import numpy as np
 from snowsim import __version__
 from snowsim.io.files import library_errors, refusal, write_bytes, written_whole
 
-FORMAT = "snowsim model 1"
+MODEL_FORMAT = "snowsim model 1"
 TRACKER_FORMAT = "snowsim tracker 1"
-# One header entry: safetensors keeps no order among several, and files must repeat to the byte.
-KEY = "snowsim"
+# All metadata is one header entry: safetensors writes several entries in random order, and equal
+# models must have equal bytes.
+HEADER_KEY = "snowsim"
 
 
 def write_model(path, arrays, metadata):
-    """Write arrays and what made them to one safetensors file, whole or not at all.
+    """Write arrays and metadata to one safetensors file, whole or not at all.
 
-    Arrays or CPU tensors are nested by string or integer keys without `/`; metadata is what JSON
-    holds: kind, settings, seed, step, fingerprint of the data. The version of this package is
-    added.
+    `arrays` is a nested dict of arrays or CPU tensors; its keys are integers, or texts without `/`.
+    `metadata` is a dict that JSON can hold: kind, settings, seed, step, fingerprint of the data.
+    The version of this package is added to it.
     """
     from safetensors.numpy import save_file
 
-    header = {"format": FORMAT, "version": __version__, **metadata}
+    header = {"format": MODEL_FORMAT, "version": __version__, **metadata}
     flat = {name: np.asarray(array, order="C") for name, array in _flat(arrays)}
     with written_whole(path) as aside:
-        save_file(flat, aside, metadata={KEY: json.dumps(header, sort_keys=True)})
+        save_file(flat, aside, metadata={HEADER_KEY: json.dumps(header, sort_keys=True)})
 
 
 def read_model(path, expected=None):
-    """Arrays, nested as written with keys as text, and metadata of a file of `write_model`.
+    """Nested dict of arrays (keys are texts) and metadata from a file of `write_model`.
 
-    Nothing in it is executed. A file that is truncated, no model, or made with other metadata than
-    `expected` is refused: settings, seed and fingerprint of the training it is to continue.
+    Nothing in the file is executed. Refused are truncated files, files that are no model, and
+    files whose metadata differ from `expected`: the settings, seed and fingerprint of the training
+    that the file is to continue.
     """
     from safetensors import safe_open
 
@@ -45,10 +47,11 @@ def read_model(path, expected=None):
         library_errors(path, "model: expected a whole safetensors file"),
         safe_open(path, framework="numpy") as file,
     ):
-        metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))
+        metadata = json.loads((file.metadata() or {}).get(HEADER_KEY, "{}"))
         flat = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118, not a dict
-    if metadata.get("format") != FORMAT:
-        raise refusal(path, "model", f"one of format '{FORMAT}'", repr(metadata.get("format")))
+    if metadata.get("format") != MODEL_FORMAT:
+        found = repr(metadata.get("format"))
+        raise refusal(path, "model", f"one of format '{MODEL_FORMAT}'", found)
     wanted = json.loads(json.dumps(expected or {}))
     made = dict(_flat({name: metadata.get(name) for name in wanted}))
     wanted = dict(_flat(wanted))
@@ -60,7 +63,7 @@ def read_model(path, expected=None):
 
 
 def fingerprint(paths):
-    """SHA-256 over the bytes of files, in order, in hexadecimal: what a model was trained on."""
+    """SHA-256, in hexadecimal, of the digests of files in their order: identifies training data."""
     digest = hashlib.sha256()
     for path in paths:
         with Path(path).open("rb") as file:
@@ -69,6 +72,7 @@ def fingerprint(paths):
 
 
 def _flat(nested, prefix=""):
+    """Pairs of name and value of a nested dict; names are keys joined by `/`."""
     for key, value in nested.items():
         name = f"{prefix}{key}"
         if isinstance(value, dict):
@@ -78,6 +82,7 @@ def _flat(nested, prefix=""):
 
 
 def _nested(flat):
+    """Nested dict from names joined by `/`; the inverse of `_flat`."""
     nested = {}
     for name, array in flat.items():
         *parents, leaf = name.split("/")
@@ -89,10 +94,10 @@ def _nested(flat):
 
 
 def write_tracker(path, content, card):
-    """Write a network (ONNX, bytes) to `path`, and its card to the JSON file of the same name.
+    """Write a network (ONNX, bytes) to `path`, and its card to a JSON file of the same name.
 
-    The card is a dict of what JSON holds; `format`, `sha256` of the network and `created_from`, the
-    version of this package, are added.
+    `card` is a dict that JSON can hold. Added to it are `format`, the `sha256` of the network, and
+    `created_from`, the version of this package.
     """
     path = Path(path)
     head = {
@@ -110,7 +115,7 @@ def write_tracker(path, content, card):
 def read_tracker(path):
     """Network (ONNX, bytes) and card of a tracker.
 
-    ValueError, in a line, unless the card is whole, of this format and of this very network.
+    ValueError if the card is damaged, has another format, or belongs to another network.
     """
     path = Path(path)
     path_to_card = path.with_suffix(".json")

@@ -24,10 +24,11 @@ from snowsim.io.files import (
     write_bytes,
 )
 from snowsim.limits import check_values
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 
-MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
+MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; Pillow itself warns above 9e7 pixels
 BLURRED = "a JPEG image: its blocks of 8 pixels blur layers and speckle"
+# Numbers of a scene that its PNG image holds as text chunks, and their types.
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
 ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
 GREY_LABELS = "grey of 1 or 8 bits"
@@ -40,33 +41,35 @@ MODES = {
 
 
 def read_image(path, expected="8-bit grey", content=None):
-    """Image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
+    """Image (range_bin, range_line) of a PNG or JPEG file, and a dict of its `NUMBERS_IN_TEXT`.
 
-    `expected` is one of `MODES`. What is no whole PNG or JPEG image of such a mode and a bearable
-    size is refused. The file is not read where its `content` is given.
+    Pixels are uint8 or uint16, or bool if the file has 1 bit a pixel. `expected` is a key of
+    `MODES`. A damaged file, another mode and more than `MAXIMUM_PIXELS` pixels are refused. If
+    `content`, the bytes of the file, is given, `path` is only named in errors.
     """
     most = f"a whole grey image of at most {MAXIMUM_PIXELS} pixels"
     with library_errors(path, f"PNG or JPEG image: expected {most}"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         content = content_of(path) if content is None else content
-        how = {"fp": io.BytesIO(content), "formats": [picture_format(content) or "PNG"]}
-        Image.open(**how).verify()  # checksums: reading does not look at them
-        with Image.open(**how) as file:
+        source = {"fp": io.BytesIO(content), "formats": [picture_format(content) or "PNG"]}
+        Image.open(**source).verify()  # reading the pixels does not compare the checksums
+        with Image.open(**source) as file:
             columns, rows = file.size
             if columns * rows > MAXIMUM_PIXELS:
                 raise refusal(path, "image", most, f"{rows} rows of {columns}")
             values = np.array(file)
-            texts = getattr(file, "text", {})  # of PNG alone
+            texts = getattr(file, "text", {})  # JPEG files have none
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():
                 raise refusal(path, "image", expected, f"mode {file.mode}")
-        told = NUMBERS_IN_TEXT.items()
-        numbers = {name: kind(texts[name]) for name, kind in told if name in texts}
+        numbers = {
+            name: kind(texts[name]) for name, kind in NUMBERS_IN_TEXT.items() if name in texts
+        }
     return colours[..., 0], numbers
 
 
 def read_mask(path):
-    """Mask of a PNG image, bool (range_bin, range_line): 0 and one more grey level."""
+    """Mask (range_bin, range_line), bool, from an image of at most two grey levels, one being 0."""
     values, _ = read_image(path, ANY_GREY)
     levels = np.unique(values)
     if levels.size > 2 or (levels.size == 2 and levels[0] != 0):
@@ -76,9 +79,9 @@ def read_mask(path):
 
 
 def write_image(path, image, numbers=None):
-    """Write a PNG, whole or not at all, with numbers as text chunks.
+    """Write a PNG, whole or not at all; `numbers` (see `NUMBERS_IN_TEXT`) become text chunks.
 
-    Settings are fixed: same pixels, same bytes.
+    The same pixels and numbers always give the same bytes.
     """
     info = PngInfo()
     for name, number in (numbers or {}).items():
@@ -89,9 +92,10 @@ def write_image(path, image, numbers=None):
     write_bytes(path, buffer.getvalue())
 
 
-# A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
+# A mask with one pixel per layer and column has a few per cent of its pixels on, an inverted mask
+# nearly all.
 MAXIMUM_SHARE_ON = 0.5
-THICKEST_PIXELS = 15  # of a layer in a column, in the median
+MAXIMUM_THICKNESS_PIXELS = 15  # of a layer in a column, in the median
 # File beside the images with their range bin [s] and line spacing [m], by these names in JSON.
 SPACING_FILE = "spacing.json"
 SPACING = ("bin_size_s", "line_spacing_m")
@@ -99,11 +103,12 @@ LABEL_PREFIXES = ("layer_", "layer_binary_")
 
 
 class PairSet(Sequence):
-    """Scenes in the layout of the published benchmark; a scene is read when it is asked for.
+    """Scenes in the layout of the published benchmark; each is read when it is requested.
 
-    `path` is a directory, of which every `data_*.png` is a scene, by name; or a list file with one
-    such name a line, relative to the list (a second name, the label, is not needed). No scene, a
-    missing file, a name that comes twice and files other than PNG are refused.
+    `path` is a folder, in which every `data_*.png` is a scene (in order of names), or a list file
+    with one such name a line, relative to the folder of the list. A second name on the line (the
+    label in published lists) is ignored. Refused are: no scene, a missing file, a name that occurs
+    twice, and files other than PNG.
 
     A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of
     `data_`. Layer number k is row k - 1 of `layer_bins`; numbers that occur nowhere between others
@@ -147,19 +152,20 @@ class PairSet(Sequence):
         return dataclasses.replace(scene, notes=scene.notes | self._spacing[path.parent])
 
     def files(self, span):
-        """Files a slice of scenes is read from: images and labels."""
+        """Paths of the images and labels of a slice of scenes."""
         paths = self._paths[span]
         return paths + [label for path in paths for label in labels_beside(path)]
 
     def check(self):
-        """Read every scene once; one ValueError names all that fail.
+        """List of dicts, one for each scene, after every scene was read once.
 
-        Those not as wide as most fail, too. Returned is a list of a dict for each scene: `name`,
-        `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
+        A dict has `name`, `n_range_bins`, `n_range_lines`, `n_layers` and `tells_db`. One
+        ValueError names all scenes that cannot be read, and all whose number of range lines
+        differs from that of most scenes.
         """
         rows = []
         failed = []
-        for item in shown(range(len(self)), unit="scene"):
+        for item in with_progress(range(len(self)), unit="scene"):
             try:
                 scene = self[item]
             except ValueError as error:
@@ -203,12 +209,12 @@ def read_spacing(folder):
 
 
 def tells_db(scene):
-    """Whether it is known what the grey levels of a scene stand for."""
+    """True if the scene holds the decibels of its darkest and its brightest grey level."""
     return bool(np.isfinite([scene.noise_floor_db, scene.maximum_db]).all())
 
 
 def scene_name(path):
-    """Name of the scene an image `data_<name>.png` shows."""
+    """Name of the scene in an image file `data_<name>.png`."""
     return path.stem.removeprefix("data_")
 
 
@@ -220,10 +226,10 @@ def _check_png(path):
 
 
 def read_pair(path):
-    """Scene of one `data_*.png` and the labels beside it; see `PairSet`.
+    """Scene from one `data_*.png` and the labels beside it; see `PairSet`.
 
-    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased
-    masks; bad images.
+    Refused are missing labels, labels of another size than the image, two labels that disagree,
+    layers that cross, inverted or anti-aliased masks, and damaged images.
     """
     path = Path(path)
     _check_png(path)
@@ -240,12 +246,14 @@ def read_pair(path):
 
 
 def layers_of_labels(drawn, where="labels"):
-    """Layers of labels (range_bin, range_line), (layer, range_line) in range bins.
+    """Layers (layer, range_line) in range bins from labels `drawn` (range_bin, range_line).
 
-    Labels are layer numbers, the middle of each layer's pixels is taken; or a mask, of bool, in
-    which the k-th run of pixels from the top of a column is layer k. More than half of the pixels
-    of a mask on, as in an inverted one, are refused, but for images one range bin high; and numbers
-    that leave a run, as of regions, or are mostly missing, as of numbers scaled to be seen.
+    Labels are layer numbers, or a mask (bool) in which the k-th run of pixels from the top of a
+    column is layer k. A layer lies at the middle of its run of pixels.
+
+    A mask with more than half of its pixels on is refused as inverted, unless it is one range bin
+    high. Layer numbers are refused if they fill regions (thick, or several runs in a column), or
+    if most of them do not occur, as after scaling them to visible grey levels.
     """
     if drawn.dtype == bool:
         if len(drawn) > 1 and drawn.mean() > MAXIMUM_SHARE_ON:
@@ -261,10 +269,10 @@ def layers_of_labels(drawn, where="labels"):
     n_apart = int((runs["max"] - runs["min"] >= runs["count"]).sum())
     n_found = pixels["layer"].nunique()
     thickness = runs["count"].median()
-    if n_apart or 2 * n_found < n_layers or thickness > THICKEST_PIXELS:
+    if n_apart or 2 * n_found < n_layers or thickness > MAXIMUM_THICKNESS_PIXELS:
         expected = (
             "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
-            f"of at most {THICKEST_PIXELS}"
+            f"of at most {MAXIMUM_THICKNESS_PIXELS}"
         )
         found = (
             f"{n_found} of numbers up to {n_layers}, {thickness:.0f} pixels a "
@@ -276,16 +284,16 @@ def layers_of_labels(drawn, where="labels"):
 
 
 def labels_beside(path):
-    """Label files named after an image `data_*`: of layer numbers, of a mask."""
+    """Paths of the labels that an image `data_*` has: layer numbers first, then the mask."""
     name = path.name.removeprefix("data_")
     labels = [path.with_name(prefix + name) for prefix in LABEL_PREFIXES]
     return [label for label in labels if label.is_file()]
 
 
 def pair_labels(path):
-    """File and labels of an image `data_*`: uint8 layer numbers, or a mask of bool.
+    """Path and pixels of the labels of an image `data_*`: layer numbers (uint8) or a mask (bool).
 
-    If both are there, numbers and mask must agree.
+    If the image has both, they must agree, and the layer numbers are returned.
     """
     labels = labels_beside(path)
     if not labels:
@@ -302,16 +310,15 @@ def _drawn_labels(path):
     return read_mask(path) if path.name.startswith("layer_binary_") else read_image(path)[0]
 
 
-LAYERS = ("annotated", "complete")
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
-# Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
-# number image a mask.
+# Names of scenes, which become names of files. The published loader replaces "data_" anywhere in a
+# name, and "layer_" before a name that begins with "binary_" would look like a mask.
 PLAIN_NAME = "a plain file name without data_ and binary_"
 NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
 def check_empty(folder):
-    """Raise ValueError if a folder to write scenes to holds something already."""
+    """Raise ValueError if a folder to write scenes to is not empty."""
     held = sorted(path.name for path in Path(folder).glob("*"))
     if held:
         raise refusal(
@@ -320,7 +327,7 @@ def check_empty(folder):
 
 
 def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
-    """Write scenes in the layout of the published benchmark.
+    """Write scenes as image pairs in the layout of the published benchmark; `PairSet` reads them.
 
     For each scene `data_<name>.png` (8-bit), `layer_binary_<name>.png` (1-bit) and
     `layer_<name>.png` (layer numbers, the surface being 1), then a list file with one `data_*.png`
@@ -329,13 +336,16 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     ``spacing.json``, see `PairSet`. The same scenes give the same bytes. Read back, images are
     exact and layers are rounded to whole bins; what leaves the window is not drawn.
 
-    Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the
-    "annotated" or, for scenes that know both, the "complete" layers. Returned are `n_scenes` and
-    `n_merged_pixels`, lost to a layer below. Names that the loader would trip over, scenes without
-    an image and more than 255 layers are refused.
+    Scenes are held in memory one at a time. `folder` may hold other sets, each with its own list.
+    Labels are the "annotated" layers or, with `layers="complete"`, the complete layers of the
+    scenes that have them.
+
+    Returns `n_scenes` and `n_merged_pixels`, the number of label pixels that a lower layer covers.
+    Refused are names that the published loader would misread, scenes without an image, and more
+    than 255 layers.
     """
     folder = Path(folder)
-    check_choice("layers", layers, LAYERS)
+    check_choice("layers", layers, ("annotated", "complete"))
     names = []
     n_merged = 0
     spacings = {name: [] for name in SPACING}
@@ -366,10 +376,11 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
 
 
 def layer_numbers(layer_bins, n_range_bins):
-    """Image of layer numbers, uint8 (range_bin, range_line), and how many pixels merged.
+    """Image of layer numbers, uint8 (range_bin, range_line), and the number of merged pixels.
 
-    The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded
-    bin; of two layers at one pixel, the lower. Layers outside the window leave no pixel.
+    The surface is 1, background is 0. Each layer of `layer_bins` (layer, range_line) is one pixel
+    a range line, at its rounded range bin. If two layers fall on one pixel, it shows the lower one,
+    and the pixel counts as merged. Layers outside the image are not drawn.
     """
     if len(layer_bins) > MAXIMUM_NUMBER:
         msg = f"layer numbers hold at most {MAXIMUM_NUMBER} layers, got {len(layer_bins)}"

@@ -1,4 +1,4 @@
-"""Layers drawn on their echogram, on axes of distance and depth."""
+"""Pictures of layers on their echograms, over axes of distance and depth."""
 
 import numpy as np
 import xarray as xr
@@ -8,28 +8,30 @@ from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
 from snowsim.io.files import written_whole
 
-NEEDED = "pictures need matplotlib: pip install 'snowsim[plot]'"
-# Colours of picks by quality.
-COLOURS = {1: ("good", "#009e73"), 2: ("moderate", "#f0a000"), 3: ("bad", "#d50000")}
-TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
-SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
-SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
+NO_MATPLOTLIB = "pictures need matplotlib: pip install 'snowsim[plot]'"
+# Name and colour of picks by their quality.
+QUALITIES = {1: ("good", "#009e73"), 2: ("moderate", "#f0a000"), 3: ("bad", "#d50000")}
+TYPICAL_DENSITY_KG_M3 = 350.0  # assumed if depths are not given
+MARGIN_S = 5e-9  # shown above the surface and below the deepest pick
+BLACK_AND_WHITE_PERCENT = (5, 99.7)  # percentiles of power that are black and white
 N_DEPTHS = 800
-NAME_SHARES = (0.05, 0.03)  # width and height of a name, of the picture's
-SAME_LINE = np.timedelta64(1, "ms")  # to which two files round the time of one range line
-SHOWN_YEARS = 5  # from one error of age to the next
+NAME_SHARES = (0.05, 0.03)  # width and height of a layer's name, as shares of the picture
+# Two files round the time of one range line by less than this.
+ROUNDING_OF_TIMES = np.timedelta64(1, "ms")
+YEARS_BETWEEN_BANDS = 5  # the error of age is drawn for one year in this many
 
 
 def write_picture(path, layers, echograms=(), accumulated=None):
-    """Write a PNG of named layers on their echograms, and below, if given, accumulation by year.
+    """Write a PNG of named layers on their echograms, with accumulation by year below if given.
 
-    `layers` is a dataset with the surface first, `echograms` are its frames; colours tell quality.
-    Without `accumulated`, as of `snowsim.accumulation`, depth is that in snow of 350 kg m-3.
+    `layers` is a dataset whose first layer is the surface; `echograms` are the datasets of its
+    frames. The colour of a pick is its quality. `accumulated` is a result of
+    `snowsim.accumulation`; without it, depths are those in snow of 350 kg m-3. Needs matplotlib.
     """
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise ValueError(NEEDED) from error
+        raise ValueError(NO_MATPLOTLIB) from error
     n_panels = 1 if accumulated is None else 2
     figure = Figure(figsize=(11, 1 + 4.5 * n_panels), layout="constrained")
     panels = figure.subplots(n_panels, sharex=True, squeeze=False)[:, 0]
@@ -47,7 +49,7 @@ def write_picture(path, layers, echograms=(), accumulated=None):
             "slow_time",
         )
         if power_db.notnull().any():
-            low_db, high_db = np.nanpercentile(power_db, SHOWN_PERCENT)
+            low_db, high_db = np.nanpercentile(power_db, BLACK_AND_WHITE_PERCENT)
             _draw_image(
                 panels[0], power_db, at, "power [dB]", cmap="gray", vmin=low_db, vmax=high_db
             )
@@ -63,21 +65,21 @@ def write_picture(path, layers, echograms=(), accumulated=None):
 
 
 def _draw_image(axes, image, at, label, **how):
-    """Draw what there is along slow_time where its lines are along track."""
+    """Draw an image over `at`, the distance (slow_time,) of its range lines along track."""
     image = image.assign_coords(slow_time=at.sel(slow_time=image["slow_time"]).values)
     image.plot.imshow(ax=axes, x="slow_time", cbar_kwargs={"label": label}, **how)
     axes.set(title="")
 
 
 def _draw_accumulation(axes, accumulated, at):
-    """Draw accumulation by year, hatched where it is a mean of years, and the error of ages."""
+    """Draw accumulation by year, hatched if it is the mean of several years, and errors of age."""
     _draw_image(axes, accumulated["accumulation_m_we"], at, "accumulation [m w.e. / yr]")
     year = accumulated["year"].values
     mean = accumulated["n_years"].values > 1
     if mean.any() and mean.shape[0] > 1:
         axes.contourf(at, year, mean, levels=[0.5, 1], hatches=["////"], colors="none")
     error = accumulated["age_error_years"].values
-    for number in range(0, year.size, SHOWN_YEARS):
+    for number in range(0, year.size, YEARS_BETWEEN_BANDS):
         low, high = year[number] - error[number], year[number] + error[number]
         axes.fill_between(at, low, high, facecolor="#d5000030", edgecolor="#d50000", lw=0.7)
     axes.set_title("hatched: means of several years; red: error of age", fontsize="small")
@@ -85,10 +87,10 @@ def _draw_accumulation(axes, accumulated, at):
 
 
 def _draw_layers(axes, layers, distance, depth_m):
-    """Draw layers (layer, range_line), each with its name at its end."""
-    for value, (name, colour) in COLOURS.items():
-        of_value = np.where(layers["quality"].values == value, depth_m, np.nan)
-        first, *_ = axes.plot(distance, of_value.T, color=colour, lw=1)
+    """Draw layers (layer, range_line), with the name of each at its last pick."""
+    for quality, (name, colour) in QUALITIES.items():
+        of_quality = np.where(layers["quality"].values == quality, depth_m, np.nan)
+        first, *_ = axes.plot(distance, of_quality.T, color=colour, lw=1)
         first.set_label(f"{name} picks")
     ends = []
     wide, high = NAME_SHARES[0] * np.ptp(distance), NAME_SHARES[1] * np.nan_to_num(depth_m).max()
@@ -97,7 +99,7 @@ def _draw_layers(axes, layers, distance, depth_m):
             continue
         last = np.flatnonzero(np.isfinite(of_layer))[-1]
         x, y = distance[last], of_layer[last]
-        # Downwards past the names above that end nearby.
+        # A name moves down until it lies clear of the names that end nearby.
         for other_y in sorted(other_y for other_x, other_y in ends if abs(x - other_x) < wide):
             if abs(y - other_y) < high:
                 y = other_y + high
@@ -107,7 +109,7 @@ def _draw_layers(axes, layers, distance, depth_m):
 
 
 def _distance(layers):
-    """Distance along track [km], or numbers of range lines where positions are missing."""
+    """Distance along track [km], or range line numbers if positions are missing; and axis label."""
     distance_m = along_track_m(layers)
     if np.isfinite(distance_m).all() and distance_m[-1] > 0:
         return distance_m / 1000, "distance [km]"
@@ -115,19 +117,19 @@ def _distance(layers):
 
 
 def _depths(below, accumulated):
-    """Travel times below the surface [s] and depths [m], from a little above it to below picks."""
+    """Travel times below the surface [s] and their depths [m], from above it to below all picks."""
     if accumulated is not None:
         known = accumulated["depth_at"]
         return known["below_s"].values, known.values
     per_s = SPEED_OF_LIGHT_M_S / (2 * (1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3))
-    times_s = np.array([-SHOWN_ABOVE_S, float(below.fillna(0).max()) + SHOWN_ABOVE_S])
+    times_s = np.array([-MARGIN_S, float(below.fillna(0).max()) + MARGIN_S])
     return times_s, per_s * times_s
 
 
 def _on_lines_of(layers, echogram):
-    """The range lines of a frame that layers have, too, at the times that they have there."""
+    """Range lines of an echogram that `layers` have too, with the times that `layers` have."""
     times = layers.get_index("slow_time")
-    line = times.get_indexer(echogram["slow_time"].values, "nearest", tolerance=SAME_LINE)
+    line = times.get_indexer(echogram["slow_time"].values, "nearest", tolerance=ROUNDING_OF_TIMES)
     if (line < 0).all():
         msg = "picture: expected an echogram of the layers' range lines, found it has none of them"
         raise ValueError(msg)
@@ -135,9 +137,9 @@ def _on_lines_of(layers, echogram):
 
 
 def _power_db(echogram, twtt):
-    """Power [dB] of a frame at travel times (depth, slow_time) of its lines.
+    """Power [dB] of an echogram at travel times `twtt` (depth, slow_time) [s].
 
-    NaN beyond it, and on lines without a surface.
+    NaN outside the echogram, and on range lines without a surface.
     """
     at = twtt.sel(slow_time=echogram["slow_time"])
     first = echogram["twtt"][0]

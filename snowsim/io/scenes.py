@@ -1,4 +1,4 @@
-"""Scene sets on disk: ragged NetCDF files, written whole or not at all, read scene by scene."""
+"""Scene sets: NetCDF files of many scenes of different heights, read scene by scene."""
 
 import json
 from pathlib import Path
@@ -10,10 +10,10 @@ from snowsim.echogram import Echoes, Kind, Scene
 from snowsim.io.containers import check_heaps
 from snowsim.io.files import BadFile, library_errors, written_whole
 
-FORMAT = "snowsim scenes 2"
-# Type of every variable, its first dimension, `scene` or one along which scenes stand below
-# each other, and its unit.
-SCENE = {
+SCENES_FORMAT = "snowsim scenes 2"
+# For each variable: its type, its first dimension and its unit. The dimension is `scene`, or one
+# along which the rows of all scenes follow each other.
+SCENE_VARIABLES = {
     "image": ("u1", "pixel_row", None),
     "layer_bins": ("f4", "layer_row", None),
     "complete_layer_bins": ("f4", "complete_row", None),
@@ -26,11 +26,11 @@ SCENE = {
     "maximum_db": ("f8", "scene", None),
     "zone": ("i4", "scene", None),
 }
-# What is written after the other numbers of a scene: files repeat to the byte.
-LAST = ("n_complete_layers", "image", "layer_bins", "complete_layer_bins")
-# The group of a scene's echoes, and what it holds of `snowsim.echogram.Echoes`.
-GROUP = "echoes"
-ECHOES = {
+# These are written last, in this order: the order of writing decides the bytes of the file.
+WRITTEN_LAST = ("n_complete_layers", "image", "layer_bins", "complete_layer_bins")
+# Group of the file for echoes, and its variables, which are fields of `snowsim.echogram.Echoes`.
+ECHO_GROUP = "echoes"
+ECHO_VARIABLES = {
     "n_rows": ("i4", "scene", None),
     "bins": ("f8", "row", "bin"),
     "power": ("f8", "row", "W"),
@@ -43,10 +43,14 @@ ECHOES = {
     "decay_factor": ("f8", "scene", "1"),
     "speckle_correlation": ("f8", "scene", "1"),
 }
-# Which variable tells how many rows another has.
-COUNTED = {"layer_bins": "n_layers", "complete_layer_bins": "n_complete_layers", "kind": "n_rows"}
-# How many rows a scene has along a dimension.
-COUNTS = {
+# For an array of a scene, the variable with its number of rows.
+COUNT_OF_ARRAY = {
+    "layer_bins": "n_layers",
+    "complete_layer_bins": "n_complete_layers",
+    "kind": "n_rows",
+}
+# For a dimension, the variable with the number of rows that each scene has along it.
+COUNT_OF_DIMENSION = {
     "pixel_row": "n_range_bins",
     "layer_row": "n_layers",
     "complete_row": "n_complete_layers",
@@ -55,37 +59,40 @@ COUNTS = {
 
 
 def write_scenes(path, scenes, attributes=None):
-    """Write scenes to one file, in order, holding one at a time.
+    """Write scenes to one file, in order; one scene at a time is held in memory.
 
-    At least one, all with the same number of range lines and the same arrays present; others are
-    refused. `attributes` are global (what made them; ``synthetic``). Images and layers of all
-    scenes stand below each other (the contiguous ragged arrays of the CF conventions, section
-    9.3.3); `n_range_bins`, `n_layers` and `n_complete_layers` tell where each begins. Layer bins
-    are float32: 1e-4 bins at row 2000. The group `echoes` is laid out alike, in float64.
+    There must be at least one scene, and all must have the same number of range lines and the same
+    arrays; else ValueError. `attributes` become global attributes of the file (``method``,
+    ``synthetic``).
+
+    Images of all scenes follow each other along `pixel_row`, layers along `layer_row`, as
+    contiguous ragged arrays of the CF conventions, section 9.3.3. `n_range_bins`, `n_layers` and
+    `n_complete_layers` are the numbers of rows of each scene. Positions of layers are float32,
+    which is exact to 1e-4 bins at row 2000. The group `echoes` is laid out alike, in float64.
     """
     with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
-        file.format = FORMAT
+        file.format = SCENES_FORMAT
         file.setncatts(attributes or {})
         for scene in scenes:
-            values = _values(scene, SCENE)
-            echoes = _values(scene.echoes, ECHOES)
+            values = _values(scene, SCENE_VARIABLES)
+            echoes = _values(scene.echoes, ECHO_VARIABLES)
             if not file.dimensions:
                 file.createDimension("scene", None)
                 file.createDimension("range_line", scene.n_range_lines)
-                _define(file, SCENE, values)
+                _define(file, SCENE_VARIABLES, values)
                 if echoes:
-                    _define(file.createGroup(GROUP), ECHOES, echoes)
-            held = [*file.variables, *(file[GROUP].variables if file.groups else ())]
+                    _define(file.createGroup(ECHO_GROUP), ECHO_VARIABLES, echoes)
+            held = [*file.variables, *(file[ECHO_GROUP].variables if file.groups else ())]
             n_range_lines = len(file.dimensions["range_line"])
             if set(held) != {*values, *echoes} or scene.n_range_lines != n_range_lines:
                 msg = f"{path}: scene {scene.name}: expected {', '.join(held)} of {n_range_lines} "
                 msg += f"range lines as in the first scene, got {', '.join([*values, *echoes])}"
                 raise ValueError(msg)
-            # Before anything is written: that makes the dimensions longer.
+            # Taken before anything is written, since writing makes the dimension longer.
             index = len(file.dimensions["scene"])
             if echoes:
-                _append(file[GROUP], index, echoes)
-            last = {name: values.pop(name) for name in LAST if name in values}
+                _append(file[ECHO_GROUP], index, echoes)
+            last = {name: values.pop(name) for name in WRITTEN_LAST if name in values}
             _append(file, index, values | last)
         if not file.dimensions:
             msg = f"{path}: expected at least one scene to write, got none"
@@ -93,9 +100,9 @@ def write_scenes(path, scenes, attributes=None):
 
 
 def _values(record, table):
-    """What the file holds of a scene, or of its echoes if it has any, by name."""
+    """Values of a scene, or of its echoes, for the variables of `table`; {} if it has no echoes."""
     values = {name: getattr(record, name, None) for name in table}
-    for name, count in COUNTED.items():
+    for name, count in COUNT_OF_ARRAY.items():
         if values.get(name) is not None:
             values[count] = len(values[name])
     if "notes" in values:
@@ -104,7 +111,7 @@ def _values(record, table):
 
 
 def _define(group, table, values):
-    """Make variables of a group for the values of its first scene."""
+    """Make the variables of a group, with shapes from the values of its first scene."""
     for name, value in values.items():
         dtype, first, units = table[name]
         dimensions = [first]
@@ -129,7 +136,7 @@ def _define(group, table, values):
 
 
 def _append(group, index, values):
-    """Write the values of one scene."""
+    """Write the values of scene number `index`."""
     starts = {name: len(dimension) for name, dimension in group.dimensions.items()}
     for name, value in values.items():
         first = group[name].dimensions[0]
@@ -138,17 +145,17 @@ def _append(group, index, values):
 
 
 class SceneSet:
-    """Scenes of one or more files as a sequence; a scene is read when it is asked for.
+    """Scenes of one or more files as a sequence; each is read when it is requested.
 
     Parameters
     ----------
     paths : path_like or iterable of path_like
-        Files of `write_scenes`.
+        Files that `write_scenes` wrote. They stay open until `close`, or the end of a ``with``.
 
     Raises
     ------
     ValueError
-        If a file is no scene file or was truncated.
+        If a file is not a scene file, or is truncated.
     """
 
     def __init__(self, paths):
@@ -157,12 +164,12 @@ class SceneSet:
         for path in [paths] if isinstance(paths, str | Path) else paths:
             with library_errors(path, "scenes: expected a scene file (NetCDF-4)"):
                 check_heaps(Path(path).read_bytes())
-                # Without cycles of references a file closes with its last user, not whenever Python
-                # collects garbage.
+                # With weak references the file closes as soon as nothing uses it, not whenever
+                # Python next collects cycles of references.
                 file = netCDF4.Dataset(path, keepweakref=True)
                 self._files.append(file)
-                if getattr(file, "format", None) != FORMAT:
-                    msg = f"scenes: expected a scene file, of attribute format '{FORMAT}'"
+                if getattr(file, "format", None) != SCENES_FORMAT:
+                    msg = f"scenes: expected a scene file, of attribute format '{SCENES_FORMAT}'"
                     raise BadFile(msg)
                 file.set_auto_maskandscale(False)
                 groups = [_Group(group) for group in (file, *file.groups.values())]
@@ -180,7 +187,7 @@ class SceneSet:
             for echoes in held:
                 del echoes["n_rows"]
                 values["echoes"] = Echoes(**echoes)
-            for name, count in COUNTED.items():
+            for name, count in COUNT_OF_ARRAY.items():
                 if values.pop(count, None) is not None:
                     values[name] = values[name].astype(float)
             return Scene(**values | {"notes": json.loads(values["notes"])})
@@ -198,7 +205,7 @@ class SceneSet:
 
 
 class _Group:
-    """Variables of a file's group: rows of one scene are read, numbers of all are held."""
+    """Variables of one group: numbers of all scenes are in memory, rows are read scene by scene."""
 
     def __init__(self, group):
         self._columns = {}
@@ -206,13 +213,13 @@ class _Group:
         for name, variable in group.variables.items():
             row = variable.dimensions[0]
             if row != "scene":
-                ends = np.cumsum(group[COUNTS[row]][:])
+                ends = np.cumsum(group[COUNT_OF_DIMENSION[row]][:])
                 self._arrays[name] = (variable, np.append(0, ends))
             else:
                 self._columns[name] = variable[:] if variable.ndim > 1 else variable[:].tolist()
 
     def read(self, index):
-        """What is held of one scene, by name."""
+        """Values of one scene, by name of the variable."""
         values = {name: column[index] for name, column in self._columns.items()}
         for name, (variable, ends) in self._arrays.items():
             values[name] = np.asarray(variable[ends[index] : ends[index + 1]])

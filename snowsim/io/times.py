@@ -1,4 +1,4 @@
-"""Times in files: seconds since 1970, GPS time and UTC."""
+"""Times of files, as seconds since 1970, GPS time or UTC, converted to UTC and back."""
 
 import numpy as np
 
@@ -33,10 +33,11 @@ LEAP_GPS = LEAP_UTC + np.arange(1, LEAP_UTC.size + 1) * np.timedelta64(1, "s")
 
 
 def utc_times(times, *, gps=False):
-    """Times, or seconds since 1970, as UTC, datetime64[ns] (range_line,); of our age or refused.
+    """UTC times (range_line,), datetime64[ns], from `times`: dates, or seconds since 1970.
 
-    GPS time loses its leap seconds. One offset holds for a whole file, that of its first line, as
-    in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
+    With `gps`, `times` are GPS time, and the leap seconds are subtracted. The whole file has the
+    offset of its first line, as in the archive's own conversion to NetCDF, so that a frame flown
+    across a leap second stays in order. Times outside `THIS_AGE` are refused.
     """
     name = getattr(times, "name", "slow_time")
     times = np.ravel(times)
@@ -56,11 +57,11 @@ def utc_times(times, *, gps=False):
 
 
 def gps_seconds(slow_time):
-    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
+    """GPS seconds since 1970 (range_line,) of UTC times; the inverse of `utc_times`.
 
-    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
-    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
-    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
+    The result equals, to the last bit, the seconds from which the times were read: today doubles
+    are 2.4e-7 s apart, and nanoseconds round by less. The whole file has the offset of its first
+    line. A first line within a leap second counts as the second after it, as UTC writes it.
     """
     times = np.asarray(slow_time, dtype="datetime64[ns]")
     whole, rest = np.divmod(times.astype(np.int64), 1_000_000_000)
@@ -68,5 +69,5 @@ def gps_seconds(slow_time):
 
 
 def leap_seconds(time):
-    """How many seconds GPS is ahead of UTC at a time in UTC."""
+    """Number of seconds that GPS time is ahead of UTC at a time in UTC."""
     return int(np.searchsorted(LEAP_UTC, time, side="right"))

@@ -20,7 +20,7 @@ from snowsim.echogram import (
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render
 from snowsim.phy.waveform import waveform_peak
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.seeding import generator
 from snowsim.snowpack.physical import (
     Climate,
@@ -155,7 +155,8 @@ def _power(layer_bins, parameters, *, rng, exact):
     n_range_bins = scene_height(layer_bins)
     how = {"rng": rng, "exact": exact, "as_printed": True}
     parts = []
-    for first in shown(range(0, layer_bins.shape[1], LINES_AT_ONCE), unit=f"{LINES_AT_ONCE} lines"):
+    firsts = range(0, layer_bins.shape[1], LINES_AT_ONCE)
+    for first in with_progress(firsts, unit=f"{LINES_AT_ONCE} lines"):
         lines = slice(first, first + LINES_AT_ONCE)
         of_lines = parameters | {"peak_power": parameters["peak_power"][:, lines]}
         parts.append(render(layer_bins[:, lines], of_lines, n_range_bins, **how))

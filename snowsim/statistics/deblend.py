@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.optimize import least_squares
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.statistics.groups import (
     OPEN_END_BINS,
     TYPICAL_DECAY_RATE,
@@ -108,7 +108,7 @@ def deblend(groups, decay_rate):
     }
     _, height = waveform_peak(variance, decay_rate)
     powers = np.full(groups.present.shape, np.nan)
-    for group in shown(range(len(powers)), unit="averaged line"):
+    for group in with_progress(range(len(powers)), unit="averaged line"):
         line = prepare_line(groups, group)
         if line is not None:
             solved, _ = _explained(shape, line)
@@ -192,7 +192,7 @@ def _fit_shapes(start, lines):
         return np.concatenate([part[0] for part in parts] + [departure])
 
     deviation = _weigh(shape, lines)
-    for _ in shown(range(MOST_ROUNDS), unit="round"):
+    for _ in with_progress(range(MOST_ROUNDS), unit="round"):
         prior = np.tile(PRIOR_DEVIATION, len(start)) / deviation
         # Slopes are asked for after a step is taken, at the shapes of the last residuals.
         solution = least_squares(

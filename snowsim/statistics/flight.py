@@ -9,7 +9,7 @@ from snowsim.alignment import FAR_BINS, surface_away_bins
 from snowsim.constants import BLOCK_LINES, STATISTICS_CONTENT
 from snowsim.echogram import check_choice
 from snowsim.limits import check_count
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 from snowsim.seeding import rounded
 from snowsim.statistics.deblend import WAVEFORM_LAGS, deblended_waveform
 from snowsim.statistics.groups import Groups
@@ -90,7 +90,7 @@ def fit(frames, *, estimator="deblended"):
     """
     summaries = []
     away_bins = []
-    for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
+    for number, (echogram, layers) in enumerate(with_progress(frames, unit="frame")):
         summaries.append(summarise(echogram, layers, where=f"frame {number}"))
         away_bins.append(surface_away_bins(echogram, layers))
     summary = merge(summaries)

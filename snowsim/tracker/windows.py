@@ -7,7 +7,7 @@ the distance from which an output pixel depends on the image.
 
 import numpy as np
 
-from snowsim.progress import shown
+from snowsim.progress import with_progress
 
 GRID_ROWS = 16
 GRID_LINES = 2 * GRID_ROWS
@@ -60,7 +60,7 @@ def log_odds_by_lines(run, image_of, n_rows, n_lines):
     `run` gives log-odds of a stack of inputs, and `image_of(first, stop)` the 8-bit image (row,
     range_line) of range lines. Only one window of either is in memory.
     """
-    for first in shown(range(0, n_lines, WINDOW_LINES), unit="window"):
+    for first in with_progress(range(0, n_lines, WINDOW_LINES), unit="window"):
         stop = min(first + WINDOW_LINES, n_lines)
         left = max(0, first - MARGIN_LINES)
         image = image_of(left, min(stop + MARGIN_LINES, n_lines))
