@@ -117,8 +117,20 @@ def along_track_m(echogram):
     return along_m
 
 
+def with_fixes(dataset):
+    """The same with NaN for fixes at 0 degrees north and east, unless all are there."""
+    if not {"Latitude", "Longitude"} <= set(dataset):
+        return dataset
+    away = (dataset["Latitude"] != 0) | (dataset["Longitude"] != 0)
+    if not (away & dataset["Latitude"].notnull()).any():
+        return dataset
+    names = ("Latitude", "Longitude")
+    return dataset.assign(**{name: dataset[name].where(away) for name in names})
+
+
 def positions_of(dataset):
-    """Latitude and longitude of range lines, (2, range_line) [radian]."""
+    """Latitude and longitude of range lines, (2, range_line) [radian], NaN where unknown."""
+    dataset = with_fixes(dataset)
     return np.radians([dataset[name].values for name in ("Latitude", "Longitude")])
 
 

@@ -617,6 +617,18 @@ def track(files, folder, **options):
     help="Every layer is one year, or years are counted; by default annual where no pick has a "
     "confidence, as a person's.",
 )
+@click.option(
+    "--expected",
+    "expected_m",
+    type=float,
+    help="Accumulation that is known of the place [m w.e. a year]; by default layers alone count.",
+)
+@click.option(
+    "--expected-error",
+    type=float,
+    default=0.3,
+    help="Relative standard deviation of --expected.",
+)
 @click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
 @click.option(
     "--echogram", "echograms", type=EXISTING, multiple=True, help="Of the frames, for the picture."
@@ -632,12 +644,12 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
       depth_m            of that horizon, the upper end of the year's snow
       thickness_m        of the year's snow
       accumulation_m_we  metres of water a year
-      low, high          limits that hold it in nine of ten years that are counted rightly
+      low, high          limits that hold it in nine of ten cases
+      year_confidence    probability that year is right, with all doubt above
+      age_low, age_high  limits of the years since then in nine of ten cases, 0 the last autumn
       n_years            between the picks that bound it; values are means over them
-      confidence         probability of n_years
-      age_error_years    expected error of year, from the surface or a named layer down
-      flag               1 where n_years is doubtful, else 0
-      open_m_we          snow above the first horizon, of no whole year
+      flag               1 where year_confidence is below .8, else 0
+      open_m_we          snow above the horizon of the last autumn
 
     \b
     Examples:
@@ -687,6 +699,7 @@ def echo_accumulation(path, n_rows, found, temperature_k):
     if found.attrs["n_below_profile"]:
         told += f"; {found.attrs['n_below_profile']} picks below the end of the density left out"
     click.echo(f"{path}: {told}")
+    click.echo(found.attrs["surety"])
     if "temperature_k" in found.attrs:
         place = " of the place, by Fausto et al. (2009)" * (temperature_k is None)
         click.echo(

@@ -3,6 +3,7 @@
 `snowsim.io` opens the files and `snowsim.tracker` picks the layers; this module joins the two.
 """
 
+import hashlib
 import os
 import warnings
 from dataclasses import dataclass, replace
@@ -374,8 +375,9 @@ def _track_segment(tracker, frames, folder, png, bin_s, force, say):
         by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
         write_layer_files(folder, frames[0].segment, by_number, force=force)
     written = []
+    digest = _digest(frames, tracker.card)
     for frame, layers in zip(frames, found, strict=True):
-        written.append(_as_written(frame, layers, bin_s))
+        written.append(_as_written(frame, layers, bin_s, digest))
         path = _layers_file(folder, frame.path)
         write_layers(path, written[-1], force=force)
         n_picks = int(np.isfinite(written[-1]["twtt"].values[1:]).sum())
@@ -427,6 +429,15 @@ def _interval_s(slow_time):
     return float(np.median(steps)) if steps.size else 0.0
 
 
+def _digest(frames, card):
+    """Digest of the frames whose layers have common names, in order, and of the tracker's card."""
+    digest = hashlib.sha256(repr(card).encode())
+    for frame in frames:
+        digest.update(frame.evidence.slow_time.tobytes())
+        digest.update(frame.evidence.canonical.surface_db.tobytes())
+    return digest.hexdigest()[:16]
+
+
 def _renumbered(layers_of_run, before):
     """Layers of a run, numbered after those of the runs before it; all share the surface."""
     n_above = max((int(layer_numbers(layers).max()) for layers in before), default=0)
@@ -436,16 +447,18 @@ def _renumbered(layers_of_run, before):
     ]
 
 
-def _as_written(frame, layers, bin_s):
+def _as_written(frame, layers, bin_s, digest):
     """Layers dataset of a frame as it is written: without layers that have no pick in it.
 
-    A frame of a segment gets its name as `granule`, an image the rows of its picks.
+    A frame of a segment gets its name as `granule` and the digest of the frames that were tracked
+    with it, an image the rows of its picks.
     """
     picked = np.isfinite(layers["twtt"].values).any(axis=1)
     picked[0] = True
     layers = layers.isel(layer=picked)
     if frame.segment is not None:
-        return layers.assign_attrs(granule=f"{frame.segment}_{frame.number:03d}")
+        granule = f"{frame.segment}_{frame.number:03d}"
+        return layers.assign_attrs(granule=granule, tracked_together=digest)
     rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
     layers = layers.assign(row=rows)
     layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"

@@ -118,7 +118,7 @@ def open_segment(paths):
     ------
     ValueError
         In one line, if there is no file, `read_layers` refuses one, frames overlap in time, or
-        tracked frames belong to several segments.
+        tracked frames belong to several segments or several calls of `snowsim track`.
     """
     paths = list(paths)
     where = "segment"
@@ -139,10 +139,7 @@ def open_segment(paths):
         expected = f"one, of which alone {TRACKED}1, {TRACKED}2 and so on are the same layers"
         raise refusal(where, "segments", expected, told)
     frames.sort(key=lambda frame: frame["slow_time"].values[0])
-    for first, second in itertools.pairwise(frames):
-        if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
-            names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
-            raise refusal(where, names, "frames that follow one another", "frames overlap in time")
+    _check_together(frames, where)
     joined = xr.concat(
         frames,
         "slow_time",
@@ -161,6 +158,25 @@ def open_segment(paths):
         by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
     check_layers(by_name, f"{where} of {paths[0]}")
     return by_name
+
+
+def _check_together(frames, where):
+    """Refuse frames that were not tracked in one call, and say which of them a person corrected."""
+    digests = {frame.attrs.get("tracked_together") for frame in frames} - {None}
+    if len(digests) > 1:
+        expected = f"one, for {TRACKED}1 of each is another layer (track them in one call)"
+        raise refusal(where, "tracked_together", expected, f"{len(digests)} calls of track")
+    for first, second in itertools.pairwise(frames):
+        if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
+            names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
+            raise refusal(where, names, "frames that follow one another", "frames overlap in time")
+    by_hand = [str(frame["frame"].values[0]) for frame in frames if "confidence" not in frame]
+    if 0 < len(by_hand) < len(frames):
+        warnings.warn(
+            f"{where}: {len(by_hand)} of {len(frames)} frames have no confidence, as a person's "
+            f"({by_hand[0]}): years are counted in all, unless every layer is said to be one year",
+            stacklevel=3,
+        )
 
 
 def read_cresis_layers(stored):

@@ -18,7 +18,7 @@ N_DEPTHS = 800
 NAME_SHARES = (0.05, 0.03)  # width and height of a layer's name, as shares of the picture
 # Two files round the time of one range line by less than this.
 ROUNDING_OF_TIMES = np.timedelta64(1, "ms")
-YEARS_BETWEEN_BANDS = 5  # the error of age is drawn for one year in this many
+YEARS_BETWEEN_BANDS = 5  # the limits of ages are drawn for one year in this many
 
 
 def write_picture(path, layers, echograms=(), accumulated=None):
@@ -72,17 +72,20 @@ def _draw_image(axes, image, at, label, **how):
 
 
 def _draw_accumulation(axes, accumulated, at):
-    """Draw accumulation by year, hatched if it is the mean of several years, and errors of age."""
+    """Draw accumulation by year, hatched if it is the mean of several years, and limits of ages."""
     _draw_image(axes, accumulated["accumulation_m_we"], at, "accumulation [m w.e. / yr]")
     year = accumulated["year"].values
     mean = accumulated["n_years"].values > 1
     if mean.any() and mean.shape[0] > 1:
         axes.contourf(at, year, mean, levels=[0.5, 1], hatches=["////"], colors="none")
-    error = accumulated["age_error_years"].values
+    last_autumn = accumulated.attrs["last_autumn"]
+    low = last_autumn - accumulated["age_high"].values
+    high = last_autumn - accumulated["age_low"].values
     for number in range(0, year.size, YEARS_BETWEEN_BANDS):
-        low, high = year[number] - error[number], year[number] + error[number]
-        axes.fill_between(at, low, high, facecolor="#d5000030", edgecolor="#d50000", lw=0.7)
-    axes.set_title("hatched: means of several years; red: error of age", fontsize="small")
+        axes.fill_between(
+            at, low[number], high[number], facecolor="#d5000030", edgecolor="#d50000", lw=0.7
+        )
+    axes.set_title("hatched: means of several years; red: nine of ten ages", fontsize="small")
     axes.yaxis.get_major_locator().set_params(integer=True)
 
 

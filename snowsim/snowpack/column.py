@@ -26,9 +26,9 @@ def temperature_k_of(layers):
     )
     longitude = (east + 180) % 360 - 180
     ground_m = height_m - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
-    temperature_k = float(temperature_fausto09(ground_m, latitude, longitude).mean())
+    temperature_k = float(temperature_fausto09(ground_m, latitude, longitude).median())
     inside = [
-        low < np.mean(degrees) < high
+        low < np.nanmedian(degrees) < high
         for degrees, (low, high) in zip((latitude, longitude), GREENLAND, strict=True)
     ]
     if not (all(inside) and np.isfinite(temperature_k)):

@@ -22,13 +22,14 @@ from snowsim.phy import render
 from snowsim.phy.waveform import waveform_peak
 from snowsim.progress import with_progress
 from snowsim.seeding import generator
+from snowsim.snowpack.horizons import YEAR_DAYS
 from snowsim.snowpack.physical import (
     Climate,
     Radar,
     depth_and_water,
     physical_parameters,
 )
-from snowsim.snowpack.snow import NORTH_MONTHS, YEAR_DAYS
+from snowsim.snowpack.snow import NORTH_MONTHS
 
 # A flight due north, by default at the end of a snow year: a whole one lies above a climate's first
 # horizon.

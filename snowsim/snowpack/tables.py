@@ -14,22 +14,45 @@ COLUMNS = (
     "accumulation_m_we",
     "low",
     "high",
+    "year_confidence",
+    "age_low",
+    "age_high",
     "n_years",
-    "confidence",
-    "age_error_years",
     "flag",
     "open_m_we",
 )
+# Columns of the table by year that are means along track.
+MEANS = ("accumulation_m_we", "low", "high", "error_picks", "error_density", "year_confidence")
 
 
 def table(accumulated):
-    """Table of `accumulation` for a GIS: a row for each range line and year that is not NaN."""
+    """Table of `accumulation` for a GIS: a row for each range line and year that is not NaN.
+
+    Where nothing is dated, a row for each range line and layer: its depth, and thickness and mass
+    [m w.e.] from there down to the next layer.
+    """
     along = {"slow_time": "time", "Latitude": "lat", "Longitude": "lon"}
-    rows = accumulated.drop_dims("below_s").to_dataframe().reset_index()
+    if accumulated.sizes["year"] == 0:
+        return _undated(accumulated, along)
+    rows = accumulated.drop_dims(["below_s", "layer"]).to_dataframe().reset_index()
     rows = rows.rename(columns=along).dropna(subset="accumulation_m_we")
-    rows = rows.astype({"n_years": int, "flag": int}).sort_values(["time", "year"])
+    whole = dict.fromkeys(("age_low", "age_high", "n_years", "flag"), int)
+    rows = rows.astype(whole).sort_values(["time", "year"])
     first = [name for name in ("frame", *along.values(), "year") if name in rows]
     return rows[[*first, *COLUMNS]].reset_index(drop=True)
+
+
+def _undated(accumulated, along):
+    """Rows of layers without years."""
+    held = [name for name in ("frame", *along) if name in accumulated]
+    names = {"layer_depth_m": "depth_m", "layer_m_we": "mass_m_we"}
+    rows = accumulated[[*names, *held]].to_dataframe().reset_index().rename(columns=names | along)
+    rows = rows.dropna(subset="depth_m").sort_values(["time", "depth_m"])
+    below = rows.groupby("time")[["depth_m", "mass_m_we"]].diff(-1)
+    rows["thickness_m"], rows["mass_m_we"] = -below["depth_m"], -below["mass_m_we"]
+    rows = rows.dropna(subset="thickness_m").rename(columns={"layer": "name"})
+    first = [name for name in ("frame", *along.values()) if name in rows]
+    return rows[[*first, "name", "depth_m", "thickness_m", "mass_m_we"]].reset_index(drop=True)
 
 
 def pieces(rows):
@@ -38,6 +61,9 @@ def pieces(rows):
     `line` is the list of longitude and latitude of its range lines, on past 180 degrees; times are
     left out, and range lines without a position. ValueError if none has one.
     """
+    if "year" not in rows:
+        msg = "a map needs years, nothing is dated: write a table or NetCDF"
+        raise ValueError(msg)
     if not {"lat", "lon"} <= set(rows) or rows["lat"].isna().all():
         msg = "a map needs Latitude and Longitude of range lines, the layers have none"
         raise ValueError(msg)
@@ -57,9 +83,9 @@ def pieces(rows):
 def by_year(accumulated):
     """Table of `accumulation` by year: means along the track, their errors and support.
 
-    Errors hold nine of ten [m w.e. / yr]. That of picks falls with the number of `independent_km`,
-    that of density does not; that of counting is what a year more or less between two picks would
-    change, times its probability. `flagged` is the share of range lines with a flag.
+    `low` and `high` and both errors hold nine of ten [m w.e. / yr]. The error of picks falls with
+    the number of `independent_km`, that of density does not. `flagged` is the share of range lines
+    with a flag.
     """
     given = accumulated["accumulation_m_we"].notnull()
     n_km = np.ones(given.sizes["year"])
@@ -67,16 +93,8 @@ def by_year(accumulated):
         # Over a kilometre of track accumulation is taken as one value.
         kilometre = np.floor(along_track_m(accumulated) / KILOMETRE)
         n_km = [max(pd.Series(kilometre[lines]).nunique(), 1) for lines in given.values]
-    doubt = (1 - accumulated["confidence"]) / accumulated["n_years"]
-    columns = {
-        "accumulation_m_we": accumulated["accumulation_m_we"],
-        "error_picks": accumulated["error_picks"],
-        "error_density": accumulated["error_density"],
-        "error_counting": accumulated["accumulation_m_we"] * doubt,
-        "age_error_years": accumulated["age_error_years"],
-        "flagged": accumulated["flag"],
-    }
-    means = {name: column.mean("slow_time").values for name, column in columns.items()}
+    means = {name: accumulated[name].mean("slow_time").values for name in MEANS}
+    means["flagged"] = accumulated["flag"].mean("slow_time").values
     means["error_picks"] = means["error_picks"] / np.sqrt(n_km)
     rows = pd.DataFrame({"year": accumulated["year"], **means, "independent_km": n_km})
     return rows.dropna(subset="accumulation_m_we").reset_index(drop=True)

@@ -6,6 +6,7 @@ on flights whose scores are not reported; a card may have its own.
 """
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from scipy.special import expit
 
@@ -22,6 +23,7 @@ LEAST_CONFIDENCE = 0.4
 # A line is faded, by a roll for instance, if its largest power is this far below the median of the
 # frame.
 FADE_DB = 6.0
+CLOSE = 1.5  # times `LINKING.apart_rows`, at which years are merged in simulated firn
 LEAST_ROWS = 0.5  # from the surface to a layer
 ALONG = ("layer", "slow_time")
 ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
@@ -108,6 +110,7 @@ def _dataset(canonical, numbers, rows, sure):
     quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))
     if canonical.outside:
         quality = np.maximum(quality, MODERATE)
+    quality = np.where(close_layers(rows), np.maximum(quality, MODERATE), quality)
     quality[:, doubtful_lines(canonical)] = BAD
     picked = np.isfinite(twtt)
     flags = {"quality": np.where(picked, quality, GOOD), "type": np.full(twtt.shape, AUTOMATIC)}
@@ -123,7 +126,18 @@ def _dataset(canonical, numbers, rows, sure):
     coordinates = {"layer": numbers, "slow_time": echogram["slow_time"].values}
     kept = ("season_name", "radar_name", "day_seg")
     attributes = {name: echogram.attrs[name] for name in kept if name in echogram.attrs}
+    attributes["apart_s"] = LINKING.apart_rows * canonical.grid.bin_s
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def close_layers(rows):
+    """Where two layers (layer, range_line) are as close as the tracker separates them, or nearly.
+
+    Others may lie between these, merged.
+    """
+    below = pd.DataFrame(rows).bfill().shift(-1).to_numpy() - rows
+    above = rows - pd.DataFrame(rows).ffill().shift(1).to_numpy()
+    return np.fmin(below, above) < CLOSE * LINKING.apart_rows
 
 
 def doubtful_lines(canonical):

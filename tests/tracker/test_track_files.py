@@ -3,6 +3,7 @@
 import formats
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted
 from refusals import refusal
@@ -209,6 +210,27 @@ def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
     assert track(paths[1:], force=True) == 1
     assert "track all frames of the segment at once, or to another folder" in lines[-1]
     assert f"found {paths[0].name}" in lines[-1]
+
+
+def test_frames_that_were_tracked_in_separate_calls_are_refused(weights, tmp_path, frame):
+    later = content_of(frame[0])["GPS_time"] + 60
+    paths = [
+        write_frame(tmp_path, frame[0], 1),
+        write_frame(tmp_path, frame[0], 2, GPS_time=later),
+    ]
+    options = {"model": str(weights), "say": lambda line: None}
+    assert track_files(paths, tmp_path / "both", **options) == 0
+    for number, path in enumerate(paths):
+        assert track_files([path], tmp_path / f"apart_{number}", **options) == 0
+    both = sorted((tmp_path / "both").glob("*_layers.nc"))
+    assert open_segment(both).attrs["tracked_together"]
+    apart = [tmp_path / f"apart_{number}" / path.name for number, path in enumerate(both)]
+    with refusal("track them in one call.*found 2 calls of track"):
+        open_segment(apart)
+    corrected = tmp_path / "corrected_layers.nc"
+    xr.load_dataset(both[0]).drop_vars("confidence").to_netcdf(corrected)
+    with pytest.warns(UserWarning, match="1 of 2 frames have no confidence, as a person's"):
+        open_segment([corrected, both[1]])
 
 
 def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, dataset, lines):

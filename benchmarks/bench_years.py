@@ -1,0 +1,211 @@
+"""Reliability of dates: years of simulated firn and of cores, by their stated confidence.
+
+`python benchmarks/bench_years.py cache FOLDER` simulates and tracks firn; `... score FOLDER CORES
+TABLE` dates it, and the cores in the folder CORES. Seeds below 100, and every other core, chose the
+constants of `snowsim.snowpack.dating`; the others only score it.
+"""
+
+import pickle
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from snowsim import Tracker
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.seeding import random_stream
+from snowsim.snowpack import Climate, Radar, Snowpack, accumulation, simulate
+
+RADARS = ("snow-2012", "snow-2-8")
+ACCUMULATIONS_M = (0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.8)
+N_CRUSTS = (0, 3, 5)
+CRUST_KG_M3 = 60.0  # step of density at a crust
+N_LINES = 256
+TUNING_SEEDS = range(8)
+NEAR_S = 4 * 2.886e-10  # of a pick that is the horizon, and within which the tracker separates none
+SCORING_SEEDS = range(100, 110)
+
+
+def firn(accumulation_m, n_crusts, spacing_m, rng):
+    """`Snowpack` of twenty annual layers, crusts among them, and which of its layers are horizons.
+
+    A crust is a step of density somewhere in the middle of a year, half above the mean and half
+    below it.
+    """
+    snow = Climate(accumulation_m=accumulation_m).draw(N_LINES, spacing_m, rng=rng)
+    years = rng.choice(np.arange(len(snow.depth_m) - 1), n_crusts, replace=False)
+    share = rng.uniform(0.2, 0.8, n_crusts)[:, None]
+    depth_m, density = snow.depth_m, snow.density_kg_m3.copy()
+    crust_m = (1 - share) * depth_m[years] + share * depth_m[years + 1]
+    below = density[years] - CRUST_KG_M3 / 2
+    density[years] += CRUST_KG_M3 / 2
+    horizon = np.insert(np.ones(len(depth_m), bool), years + 1, False)
+    depth_m = np.insert(depth_m, years + 1, crust_m, axis=0)
+    density = np.insert(density, years + 1, below, axis=0)
+    return Snowpack(depth_m, density, coherent=False), horizon
+
+
+def tracked(tracker, radar, accumulation_m, n_crusts, seed):
+    """Layers that the tracker picks in simulated firn, and the true ones with `horizon`."""
+    rng = random_stream(seed, "bench_years", radar, accumulation_m, n_crusts)
+    radar = Radar.preset(radar)
+    snow, horizon = firn(accumulation_m, n_crusts, radar.line_spacing_m, rng)
+    echogram, truth = simulate(snow, radar, rng=rng)
+    return tracker.pick(echogram), truth.assign(horizon=("layer", horizon))
+
+
+def cache(folder):
+    """Simulate and track what is not there."""
+    tracker = Tracker.from_pretrained()
+    tasks = [
+        (radar, mass, crusts, seed)
+        for seeds in (TUNING_SEEDS, SCORING_SEEDS)
+        for seed in seeds
+        for mass in ACCUMULATIONS_M
+        for crusts in N_CRUSTS
+        for radar in RADARS
+    ]
+    tasks += [(r, m, 0, s) for s in range(6) for r in RADARS for m in (0.03, 0.05, 0.07)]
+    tasks += [("snow-2012", m, 0, s) for s in range(110, 120) for m in (0.15, 0.3, 0.6)]
+    for task in tasks:
+        path = Path(folder) / ("_".join(map(str, task)) + ".pickle")
+        if not path.exists():
+            path.write_bytes(pickle.dumps(tracked(tracker, *task)))
+
+
+def timed(layers, truth):
+    """Travel times [s] below the surface of layers and true ones, medians along track, downwards.
+
+    Of the true ones also their age, -1 of crusts, and the mass above them [m w.e.].
+    """
+    own = (layers["twtt"] - layers["twtt"][0]).median("slow_time").values[1:]
+    true = (truth["peak_twtt"] - truth["peak_twtt"][0]).median("slow_time").values
+    horizon = truth["horizon"].values
+    age = np.where(horizon, np.cumsum(horizon) - 2, -1)
+    return own, true, age, truth["water_m"].median("slow_time").values
+
+
+def scored(found, own, true, age, water_m):
+    """A row for each horizon that is dated: whether its year is right, and of the year below it.
+
+    `found` is the dataset of `accumulation` on a range line in the middle, its last autumn 1999.
+    """
+    known_m, known_s = found["depth_at"].values, found["below_s"].values
+    line = found.isel(slow_time=found.sizes["slow_time"] // 2)
+    line = line.drop_dims([name for name in ("below_s", "layer") if name in line.dims])
+    years = line.to_dataframe().dropna(subset="accumulation_m_we").reset_index()
+    if years.empty:
+        return years
+    top_s = np.interp(years["depth_m"], known_m, known_s)
+    base_s = np.interp(years["depth_m"] + years["thickness_m"], known_m, known_s)
+    nearest = np.abs(true - top_s[:, None]).argmin(axis=1)
+    near = np.abs(true[nearest] - top_s) < NEAR_S
+    true_age = np.where(near, age[nearest], -1)
+    picked = np.abs(own - top_s[:, None]).min(axis=1) < 2 * NEAR_S / 4
+    horizon = age >= 0
+    edges_s, edges_m = np.append(0, true[horizon]), np.append(0, water_m[horizon])
+    inside = np.searchsorted(edges_s, (top_s + base_s) / 2).clip(1, edges_s.size - 1)
+    true_m = np.diff(edges_m)[inside - 1]
+    years["true_age"] = true_age
+    years["picked"] = picked
+    years["right"] = years["year"] == 1999 - true_age
+    years["right"] &= true_age >= 0
+    years["inside"] = (years["low"] <= true_m) & (true_m <= years["high"])
+    # Over the mean of the true years between the ends of what is dated.
+    ends = np.interp([top_s[0], base_s[-1]], edges_s, np.arange(edges_s.size))
+    mean_m = np.diff(np.interp([top_s[0], base_s[-1]], edges_s, edges_m)) / np.diff(ends)
+    years["ratio"] = years["accumulation_m_we"].mean() / float(mean_m[0])
+    return years
+
+
+def dated_firn(path, expected=None, true_layers=False):
+    """Rows of `scored` of a file of the cache."""
+    layers, truth = pickle.loads(Path(path).read_bytes())
+    radar, mass, crusts, seed = Path(path).stem.rsplit("_", 3)
+    if true_layers:
+        sure = xr.full_like(truth["twtt"], 0.9)
+        names = ["surface", *(f"snow_{n}" for n in range(1, truth.sizes["layer"]))]
+        layers = truth[["peak_twtt", "quality", "type", "Latitude"]].assign(confidence=sure)
+        layers = layers.rename(peak_twtt="twtt").assign_coords(layer=names)
+    else:
+        layers = layers.assign_attrs(apart_s=NEAR_S)
+    options = {}
+    if expected is not None:
+        rng = random_stream(int(seed), "bench_years", "expected")
+        options = {"expected_m": float(mass) * np.exp(expected * rng.standard_normal())}
+        options["expected_error"] = expected
+    case = {"kind": "true" if true_layers else "tracker", "radar": radar, "seed": int(seed)}
+    case |= {"mass_m": float(mass), "crusts": int(crusts), "expected": expected}
+    try:
+        found = accumulation(layers, 340.0, temperature_k=243.0, **options)
+    except ValueError as error:
+        return pd.DataFrame([case | {"refused": str(error)[:60]}])
+    rows = scored(found, *timed(layers, truth))
+    if rows.empty:
+        return pd.DataFrame([case | {"refused": "nothing is dated"}])
+    return rows.assign(**case)
+
+
+def cores(folder):
+    """Masses of years [m w.e.], the newest first: 16 cores of GreenTrACS, 7 stretches of GISP2."""
+    columns = np.genfromtxt(Path(folder) / "greentracs" / "Accumulation.txt").T[:-1]
+    series = [core[np.isfinite(core)][:26] for core in columns]
+    gisp2 = np.loadtxt(Path(folder) / "summit" / "gisp2_accum_1939_1743_kgm2.txt") / 1000
+    return series + [part[:26] for part in np.split(gisp2[: 7 * 28], 7)]
+
+
+def dated_core(core, number, missing, seed, expected=None):
+    """Rows of `scored` of a core in snow of 400 kg m-3, some of whose horizons are missing."""
+    rng = random_stream(seed, "bench_years", "core", number)
+    water_m = np.cumsum(np.append(rng.uniform(0.1, 1) * np.median(core), core))
+    elapsed = water_m[0] / np.median(core)
+    age = np.arange(water_m.size)
+    kept = rng.random(age.size) >= missing
+    twtt = 2 * 2.5 * water_m * (1 + 0.845e-3 * 400) / SPEED_OF_LIGHT_M_S
+    day = np.datetime64("1999-09-01") + np.timedelta64(int(365 * elapsed), "D")
+    own = np.append(0, twtt[kept])[:, None]
+    on = ("layer", "slow_time")
+    held = {"twtt": (on, 3e-6 + own), "confidence": (on, np.where(own > 0, 0.9, 1.0))}
+    held |= {name: (on, np.ones(own.shape, np.uint8)) for name in ("quality", "type")}
+    names = ["surface", *(f"snow_{n}" for n in range(1, len(own)))]
+    times = np.array([day], "datetime64[ns]")
+    layers = xr.Dataset(held, {"layer": names, "slow_time": times})
+    options = {}
+    if expected is not None:
+        options = {"expected_m": float(core.mean() * np.exp(expected * rng.standard_normal()))}
+        options["expected_error"] = expected
+    found = accumulation(layers, 400.0, **options)
+    case = {"kind": "core", "missing": missing, "number": number, "seed": seed}
+    rows = scored(found, own[1:, 0], twtt, age, water_m)
+    return rows.assign(expected=expected, **case)
+
+
+def score(folder, data, path):
+    """Write the table of all horizons of seeds, and of cores, that chose nothing."""
+    warnings.simplefilter("ignore")
+    files = sorted(Path(folder).glob("snow-*.pickle"))
+    new = [file for file in files if int(file.stem.rsplit("_", 1)[1]) >= min(SCORING_SEEDS)]
+    clean = [file for file in new if "_0.3_0_" in file.name and "2012" in file.name]
+    true = [file for file in new if "2012_0.3_" in file.name or "2012_0.6_" in file.name]
+    thin = [file for file in files if "_0.03_" in file.name or "_0.05_" in file.name]
+    tables = [dated_firn(file) for file in new + thin]
+    tables += [dated_firn(file, expected=0.1) for file in clean]
+    tables += [dated_firn(file, true_layers=True) for file in true]
+    held_back = [*enumerate(cores(data))][1::2]
+    for seed in (100, 101, 102):
+        for number, core in held_back:
+            tables += [dated_core(core, number, missing, seed) for missing in (0, 0.2, 0.4)]
+            tables.append(dated_core(core, number, 0, seed, expected=0.1))
+    columns = [
+        *("kind", "radar", "mass_m", "crusts", "missing", "expected", "number", "seed"),
+        *("year", "true_age", "picked", "n_years", "year_confidence", "right", "inside"),
+        *("accumulation_m_we", "ratio", "refused"),
+    ]
+    pd.concat(tables).reindex(columns=columns).to_csv(path, index=False, float_format="%.3g")
+
+
+if __name__ == "__main__":
+    cache(sys.argv[2]) if sys.argv[1] == "cache" else score(*sys.argv[2:])
