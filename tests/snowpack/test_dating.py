@@ -1,0 +1,172 @@
+"""The posterior of ages against the sum over all sequences, one by one, its numbers written out."""
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.stats import norm
+
+from snowsim.snowpack.dating import ANNUAL, TRACKED, Series, posterior, stated_ages
+
+MOST = 14  # years of a step, and age of the first horizon
+
+
+def series_of(above_m, known=(), apart=(), elapsed=0.6, error=0.03, apart_m=0.0):
+    above_m = np.array(above_m)
+    shares_none = np.zeros((above_m.size, above_m.size), bool)
+    for pair in apart:
+        shares_none[pair] = shares_none[pair[::-1]] = True
+    confidence = np.linspace(0.9, 0.6, above_m.size)
+    return Series(
+        above_m,
+        above_m - above_m[:, None],
+        error * above_m,
+        shares_none,
+        confidence,
+        elapsed,
+        dict(known),
+        apart_m,
+    )
+
+
+def lognormal(ratio, variance):
+    return np.exp(-(np.log(ratio) ** 2) / (2 * variance)) / np.sqrt(2 * np.pi * variance)
+
+
+def step_of(series, grid, i, j, n):
+    """Probability of n years from pick i to j, both horizons, (point,)."""
+    m, s, missed, _ = grid
+    mass = series.span_m[i, j]
+    one = (1 - missed) * missed ** max(n - 1, 0)
+    gap = 0.98 * one + 0.02 * (n > 1) / max(n * (n - 1), 1)
+    if series.apart[i, j]:
+        share = 0.5 if n == 0 else 0.5 * gap
+        density = norm.pdf(mass / m, n, np.sqrt(n * s**2 + 0.2**2)) / m
+        return share * density * series.confidence[j]
+    scatter = 0.5 if {i, j} <= set(series.known) else s
+    error = (series.error_m[i] ** 2 + series.error_m[j] ** 2) / mass**2
+    density = lognormal(mass / (n * m), scatter**2 / n + error) / mass
+    return gap * density * series.confidence[j]
+
+
+def start_of(series, grid, hidden, first, begun):
+    """Probability of the first horizon at an age, (point,)."""
+    m, s, _, crusts = grid
+    if series.known:
+        return 1.0 if 0 in series.known else series.confidence[first] * (crusts / m) ** first
+    years = max(series.elapsed + begun, 0.1)
+    above = series.above_m[first]
+    variance = s**2 / years + (0.1 / years) ** 2 + (series.error_m[first] / above) ** 2
+    density = lognormal(above / (years * m), variance) / above * hidden**begun
+    return series.confidence[first] * density * (crusts / m) ** first * np.exp(-crusts * years)
+
+
+def end_of(series, grid, last):
+    """Probability of no horizon from the last one to the deepest pick, (point,)."""
+    m, s, missed, crusts = grid
+    n_none = len(series.above_m) - 1 - last
+    mass = series.span_m[last, -1]
+    longer = missed ** (3 * MOST)
+    for n in range(1, 3 * MOST + 1):
+        within = norm.cdf(np.log(n * m / mass) * np.sqrt(n) / s) if n_none else 1
+        longer = longer + (1 - missed) * missed ** (n - 1) * within
+    return longer * (crusts / m) ** n_none * np.exp(-crusts * mass / m)
+
+
+def one_by_one(series, scatters, missing, crusts_a_year, hidden, prior=lambda mass: 1):
+    """Probability of every age of every pick, (pick, age)."""
+    n_picks = series.above_m.size
+    unit_m = np.median(np.diff(series.above_m)) if not series.apart.any() else 0.3
+    masses = np.geomspace(0.3, 2.5, 48) * unit_m
+    values = np.meshgrid(masses, scatters, missing, crusts_a_year)
+    m, s, missed, crusts = (value.ravel() for value in values)
+    if series.apart_m:
+        missed = 1 - (1 - missed) * np.clip(norm.cdf(np.log(m / series.apart_m) / s), 0.01, 1)
+    grid = (m, s, missed, crusts)
+    age = np.zeros((n_picks, n_picks * MOST + MOST))
+    total = 0.0
+    some = (itertools.combinations(range(n_picks), k) for k in range(1, n_picks + 1))
+    for horizons in itertools.chain.from_iterable(some):
+        if not set(series.known) <= set(horizons):
+            continue
+        pairs = [*itertools.pairwise(horizons)]
+        steps = [
+            {
+                n: step_of(series, grid, i, j, n)
+                * (crusts / m) ** (j - i - 1)
+                * np.exp(-crusts * n)
+                for n in range(0 if series.apart[i, j] else 1, MOST)
+            }
+            for i, j in pairs
+        ]
+        end = end_of(series, grid, horizons[-1]) * prior(m)
+        for begun in range(MOST):
+            start = start_of(series, grid, hidden, horizons[0], begun)
+            for chosen in itertools.product(*steps):
+                told = dict(zip(horizons, begun + np.cumsum([0, *chosen]), strict=True))
+                if any(told[pick] != known for pick, known in series.known.items()):
+                    continue
+                weight = start * end
+                for own, n in zip(steps, chosen, strict=True):
+                    weight = weight * own[n]
+                total += weight.sum()
+                for pick, own in told.items():
+                    age[pick, own] += weight.sum()
+    return age / total
+
+
+RATES = {
+    "tracked": (TRACKED, (0.2, 0.25), (0.03, 0.1, 0.3), (0.01, 0.05, 0.2), 0.9),
+    "annual": (ANNUAL, (0.25,), (0.002,), (0.002,), 0.01),
+}
+
+
+def assert_same(found, slow):
+    """Points of the grid below 1e-4 of the most probable one are left out."""
+    n_ages = min(slow.shape[1], found.shape[1])
+    assert_allclose(found[:, :n_ages], slow[:, :n_ages], atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("rates", "series"),
+    [
+        ("tracked", series_of([0.35, 0.62, 0.95])),
+        ("tracked", series_of([0.8, 0.95, 1.7])),
+        ("tracked", series_of([0.02, 0.33, 0.6], elapsed=0.02)),
+        ("tracked", series_of([0.35, 0.62, 1.2], known={1: 2})),
+        ("tracked", series_of([0.35, 0.62, 1.5], known={0: 1, 1: 2})),
+        ("tracked", series_of([0.35, 0.62, 0.95], apart_m=0.15)),
+        ("annual", series_of([0.2, 0.52, 1.1])),
+    ],
+)
+def test_probabilities_of_ages_are_those_of_all_sequences_one_by_one(rates, series):
+    rates, *numbers = RATES[rates]
+    slow = one_by_one(series, *numbers)
+    found = posterior(series, rates).age
+    assert_same(found, slow)
+
+
+def test_layers_that_no_line_shares_may_be_of_one_year():
+    series = series_of([0.3, 0.6, 0.64, 0.9], apart=[(1, 2)])
+    slow = one_by_one(series, *RATES["tracked"][1:])
+    found = posterior(series).age
+    assert_same(found, slow)
+    ages = stated_ages(posterior(series), series.apart)
+    assert ages[1] == ages[2]
+
+
+def test_an_expected_mass_is_a_lognormal_prior():
+    series = series_of([0.35, 0.62, 1.4])
+    numbers = RATES["tracked"][1:]
+    slow = one_by_one(series, *numbers, prior=lambda m: np.exp(-(np.log(m / 0.5) ** 2) / 0.08))
+    found = posterior(series, TRACKED, 0.5, 0.2).age
+    # The grid reaches as far with the expected mass as without.
+    assert_same(found, slow)
+
+
+def test_a_long_series_is_dated_without_underflow():
+    above_m = 0.15 + 0.3 * np.arange(150)
+    found = posterior(series_of(above_m, elapsed=0.5, error=0.0))
+    assert (stated_ages(found, np.zeros((150, 150), bool)) == np.arange(150)).all()
+    assert (found.age.sum(axis=1) > 0.5).all()
