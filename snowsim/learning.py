@@ -91,9 +91,8 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
     if start is not None:
         load_weights(training.network, start_network.state_dict(), str(start))
-    places = range(len(scenes))
-    train_scenes = Subset(scenes, [place for place in places if place % HELD_OUT_ONE_IN])
-    held_out = Subset(scenes, places[::HELD_OUT_ONE_IN])
+    held_out = Subset(scenes, range(0, len(scenes), HELD_OUT_ONE_IN))
+    train_scenes = Subset(scenes, [n for n in range(len(scenes)) if n % HELD_OUT_ONE_IN])
     steps = train_steps(training, TrainingSet(train_scenes, seed=seed))
     with with_progress(None, n_steps, unit="gradient") as bar:
         for step, _ in steps:
