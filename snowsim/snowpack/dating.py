@@ -51,12 +51,14 @@ class Rates:
 TRACKED = Rates()
 # Of a person who says that every layer is a year: below .1 of years of 23 cores get a flag.
 ANNUAL = Rates(scatter=(0.25,), missed=(0.002,), crusts=(0.002,), hidden=0.01)
-# Share of spans over which the echo is lost, assumed: it dates a gap of twenty years. Of n > 1 years, of no typical number, as often as 1 /
+# Share of spans over which the echo is lost, assumed: it dates a gap of twenty years. Of n > 1
+# years, of no typical number, as often as 1 /
 # (n (n - 1)).
 LOST = 0.02
 NAMED = 0.5  # scatter of a mass between two named layers: names are refused from a factor of 4 on
 OPEN_YEARS = 0.1  # by which the date of an autumn horizon scatters: some five weeks, assumed
-# Standard deviation of distances between layers that no range line shares, in typical years: that of
+# Standard deviation of distances between layers that no range line shares, in typical years: that
+# of
 # a year's mass; and the probability that such two, one after the other, are one horizon, for which
 # nothing speaks beforehand.
 APART_YEARS = 0.2
