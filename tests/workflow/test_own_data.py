@@ -76,7 +76,7 @@ def test_pairs_whose_spacing_the_configuration_contradicts_are_refused(tmp_path)
         scene.notes["bin_size_s"] = 1.1e-10
     export_pairs(tmp_path, scenes)
     lists = {"train": tmp_path / "all.lst"}
-    settings = {"data_scale": None, "contrast_db": 30.0}
+    settings = {"contrast_db": 30.0}
     said = {"bin_size_s": ("import.bin_s", 2.886e-10), "line_spacing_m": ("a", 5.0)}
     with pytest.raises(ValueError, match="config: import.bin_s: expected 1.1e-10, as spacing.json"):
         check_lists(lists, **settings, spacing=said)
