@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtr
 
-N_MASSES = 48  # of a typical year, in steps of 5 %: the posterior is as wide, or wider
+N_MASSES = 48  # of a typical year, in steps of some 5 %
 # Least and largest typical mass over the median span: below, most horizons are missing, above, most
 # picks are none.
 SPAN_SHARES = (0.3, 2.5)
@@ -26,9 +26,9 @@ FAINT = -45.0  # logarithm of the probability of a step, below which it is not f
 class Rates:
     """What is unknown of picks: grids, whose values are equally likely beforehand.
 
-    Cores scatter by .13 to .31 from year to year. Of several grids these had the least Brier score
-    that keeps .4 of dates surer than .8 on the tuning seeds of `benchmarks/bench_years.py` and
-    every other core.
+    Cores scatter by .13 to .31 from year to year. The grid of scatter is a compromise, on the
+    tuning seeds of `benchmarks/bench_years.py` and every other core, between a low Brier score and
+    .4 of dates surer than .8; other grids were about as good.
 
     Attributes
     ----------

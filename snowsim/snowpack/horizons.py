@@ -22,7 +22,7 @@ YEAR_DAYS = 366
 NINE_OF_TEN = 1.645  # standard deviations to either side that hold nine of ten
 TAILS = (0.05, 0.95)  # between which nine of ten lie
 MOST_LINES = 1000  # range lines of two layers whose median distance is taken
-N_POLISH = 3  # rounds of medians by layer and by line: a third changes masses by less than 1 %
+N_POLISH = 3  # rounds of medians by layer and by line; assumed, not measured
 CONTRADICTION = 4  # factor of mass, over the typical one, from which on years of names are refused
 NOTED = 2  # factor of the typical mass over the expected one, from which on it is said
 # Nothing is dated where a typical year has, with more than this probability, less than so many

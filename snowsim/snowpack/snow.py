@@ -20,7 +20,7 @@ SURFACE_DENSITY_KG_M3 = 340.0
 # Months from the end of a snow year, August in the north and February in the south, to December.
 NORTH_MONTHS, SOUTH_MONTHS = 4, 10
 FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which firn below 550 kg m-3 depends
-N_ROUNDS = 2  # of that firn and the mean accumulation: a third changes it by less than .1 %
+N_ROUNDS = 2  # of that firn and the mean accumulation; assumed, not measured
 USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
 LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
 EXPECTED_M = (0.001, 10)  # limits of what may be expected, those of `Climate`
