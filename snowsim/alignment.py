@@ -17,10 +17,11 @@ OVERLAP_LINES = 6  # of neighbouring blocks
 FLAGGED = "range lines flagged"  # ends the reason why a block with flagged lines is skipped
 FAR_BINS = 6  # a layer 0 this far from the echogram's surface may be another layer
 FAR_M = 500.0  # lines of layers this far from the echogram's are not the same lines
-REACH = 1.5  # median spacings of a layer file: a pick is used for range lines no further away
+# A pick is used for range lines at most this many line spacings of the layer file away.
+FARTHEST_PICK = 1.5
 # Times of the same range line in two files differ by rounding, by less than this many spacings.
-SAME_LINE = 1e-3
-METHODS = ("surface", "elevation", "none")
+SAME_LINE_SPACINGS = 1e-3
+LEVELLING = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement that leave out a range line by default; the archive's analysts set
 # them for whole frames. Three flags do not. `deconvolution_artifact`: sidelobes some 30 dB below a
 # bright echo do not move layers, and the plain product has the same supplement. `low_SNR`: such
@@ -187,7 +188,7 @@ def align_layers(layers, echogram, where="layers"):
     """Layers on the range lines of an echogram, with travel times from its antenna.
 
     `twtt` is interpolated between neighbouring picks. It is NaN where either is missing, and on
-    range lines further than `REACH` line spacings of the layers from the nearest of their lines.
+    range lines further than `FARTHEST_PICK` line spacings from the nearest line of the layers.
     `quality` and `type` are those of the nearest line. `where` names the layers in messages. Layer
     files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
@@ -213,8 +214,8 @@ def align_layers(layers, echogram, where="layers"):
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
     away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
     # On a line of the layers its own pick counts, even if the pick beside it is missing.
-    twtt = np.where(away < SAME_LINE, picked["twtt"].values[:, nearest], twtt)
-    twtt[:, away > REACH] = np.nan
+    twtt = np.where(away < SAME_LINE_SPACINGS, picked["twtt"].values[:, nearest], twtt)
+    twtt[:, away > FARTHEST_PICK] = np.nan
     if "Elevation" in layers:
         their_m = np.interp(ours_s, theirs_s, layers["Elevation"].values)
         rise_m = echogram["Elevation"].values - their_m
@@ -259,7 +260,7 @@ def flatten(echogram, layers, *, method="surface"):
     that is level already is returned as it is. ValueError if the method is unknown, or the surface
     has no pick.
     """
-    check_choice("method", method, METHODS)
+    check_choice("method", method, LEVELLING)
     if method == "none":
         return echogram, layers
     bin_s = bin_size_s(echogram)

@@ -444,9 +444,9 @@ def frame_files(path, n_frames):
 
     The number in a name goes on; another name gets one from 1 on, if there are several frames.
     """
-    from snowsim.echogram import NAMED
+    from snowsim.echogram import FRAME_IN_NAME
 
-    named = NAMED.search(path.stem)
+    named = FRAME_IN_NAME.search(path.stem)
     if path.suffix == ".mat" and named is None:
         msg = f"{path}: name it by segment and frame, Data_YYYYMMDD_SS_FFF.mat"
         raise click.UsageError(msg)

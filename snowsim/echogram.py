@@ -30,11 +30,11 @@ UNITS = {
     "Heading": "radian",
     "Elevation_Correction": "range bins",
 }
-AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
-ALONG_TRACK = [name for name in UNITS if name not in AXES]
+AXES_OF_VARIABLE = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
+ALONG_TRACK = [name for name in UNITS if name not in AXES_OF_VARIABLE]
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
-NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
+FRAME_IN_NAME = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 DEGREES = {"Latitude": 90, "Longitude": 360}
 # Power that lies so far below all other was not recorded, as people write tiny numbers in place of
 # zero. Between neighbours in order of power lie at most 9 dB in simulated frames of one look, 0 in
@@ -145,7 +145,7 @@ class Scene:
 
 def named_frame(path):
     """Segment and number of the frame in a file's name, (None, None) if the name has none."""
-    named = NAMED.search(Path(path).stem)
+    named = FRAME_IN_NAME.search(Path(path).stem)
     return (named[1], int(named[2])) if named else (None, None)
 
 
@@ -226,7 +226,7 @@ def echogram_dataset(where, content, attributes):
         with one_line_for(where, f"{name}: expected real numbers, as many as others have"):
             if name not in ("Data", "slow_time"):
                 values = np.ravel(values).astype(float)
-            dataset[name] = (AXES.get(name, "slow_time"), values)
+            dataset[name] = (AXES_OF_VARIABLE.get(name, "slow_time"), values)
             if name in UNITS:
                 dataset[name].attrs["units"] = UNITS[name]
     check_echogram(dataset, str(where))

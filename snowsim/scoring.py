@@ -28,7 +28,7 @@ from snowsim.metrics.picks import SUMS, errors_of_sums, layer_rows
 from snowsim.progress import with_progress
 from snowsim.tracker import pick_layers
 
-POSITIVE = ("max_distance_bins", "bin_s")
+POSITIVE_OPTIONS = ("max_distance_bins", "bin_s")
 LEAST_WHOLE_NUMBER = {"n_bootstrap": 1, "seed": 0, "processes": 1}
 # Fewest distinct values above 0 that give a map's AP. Maps that use all of [0, 1] have the AP of
 # floats within 0.01 if rounded to 16 even steps, within 0.03 to 4 steps; to 1 it is off by 0.56.
@@ -180,7 +180,7 @@ def _check_settings(thresholds, numbers):
         if name in LEAST_WHOLE_NUMBER:
             check_count(name, value, LEAST_WHOLE_NUMBER[name])
         elif value is not None or name != "bin_s":
-            check_values(name, value, 0, above=name in POSITIVE, number=True)
+            check_values(name, value, 0, above=name in POSITIVE_OPTIONS, number=True)
 
 
 def _notes_of_pairs(pairs, left_out, without_layers):

@@ -19,7 +19,9 @@ from snowsim.io import echogram, read_echogram
 from snowsim.io.echograms import frame_in
 from snowsim.io.files import image_format_of, library_errors, refusal
 from snowsim.io.layers import (
-    layer_numbers,
+    SURFACE_NAME,
+    TRACKED_PREFIX,
+    numbers_in_names,
     refuse_existing,
     refuse_other_frames,
     write_layer_files,
@@ -40,7 +42,6 @@ from snowsim.tracker import (
 
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
-SURFACE_NAME = "surface"
 # A frame follows another if it begins within this time after the end of the other, or within the
 # time of this many range lines, whichever is longer.
 PAUSE_S = 2.0
@@ -156,7 +157,7 @@ def _warn_of(notes):
 
 def _names(numbers):
     """Names of layers by their numbers, of which the first is that of the surface."""
-    return [SURFACE_NAME, *(f"snow_{number}" for number in numbers[1:])]
+    return [SURFACE_NAME, *(f"{TRACKED_PREFIX}{number}" for number in numbers[1:])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -440,9 +441,9 @@ def _digest(frames, card):
 
 def _renumbered(layers_of_run, before):
     """Layers of a run, numbered after those of the runs before it; all share the surface."""
-    n_above = max((int(layer_numbers(layers).max()) for layers in before), default=0)
+    n_above = max((int(numbers_in_names(layers).max()) for layers in before), default=0)
     return [
-        layers.assign_coords(layer=_names(layer_numbers(layers) + n_above))
+        layers.assign_coords(layer=_names(numbers_in_names(layers) + n_above))
         for layers in layers_of_run
     ]
 

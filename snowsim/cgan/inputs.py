@@ -16,7 +16,7 @@ EDGE_BINS = 10.0  # near the surface, within about this depth, inputs change fro
 # E-folding depths of the other inputs of depth; below three of the last nothing changes.
 FALLS_BINS = (30.0, 100.0, 300.0)
 # Range lines over which the brightness of a layer is averaged, so that it holds no speckle.
-ALONG = 33
+MEAN_LINES = 33
 # Standard deviations of the Gaussian mean that gives the level of snow: it shows no single layer.
 LEVEL_BINS, LEVEL_LINES = 10.0, 16.0
 N_CHANNELS = 3 + len(FALLS_BINS)  # of the inputs
@@ -97,16 +97,16 @@ def _without_gaps(layer_bins):
 def _levels(image, layer_bins):
     """Levels of layers (layer, range_line) over the mean level of the uppermost, and that mean.
 
-    Along a layer they are means of `ALONG` range lines.
+    Along a layer they are means of `MEAN_LINES` range lines.
     """
     held = np.isfinite(layer_bins)
     rows = np.rint(np.where(held, layer_bins, 0)).astype(int)
     rows = np.clip(rows, 0, len(image) - 1)
     lines = np.arange(held.shape[1])
     level = np.where(held, image[rows, lines], 0.0)
-    total = uniform_filter1d(level, ALONG, axis=1, mode="constant")
-    n = uniform_filter1d(held.astype(float), ALONG, axis=1, mode="constant")
-    of_layers = total / np.maximum(n, 1 / ALONG)
+    total = uniform_filter1d(level, MEAN_LINES, axis=1, mode="constant")
+    n = uniform_filter1d(held.astype(float), MEAN_LINES, axis=1, mode="constant")
+    of_layers = total / np.maximum(n, 1 / MEAN_LINES)
     first = held.any(axis=1).argmax()
     scale = max(of_layers[first][held[first]].mean(), 1.0)
     return of_layers / scale, scale

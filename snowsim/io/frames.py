@@ -19,20 +19,20 @@ from snowsim.echogram import check_choice, check_layers
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
-from snowsim.io.layers import ABSENT, begins_with_surface
-from snowsim.io.pairs import NAME, PLAIN_NAME
+from snowsim.io.layers import VALUES_WITHOUT_PICK, begins_with_surface
+from snowsim.io.pairs import PLAIN_NAME, SCENE_NAME
 from snowsim.io.times import leap_seconds
 from snowsim.progress import with_progress
 
-COLUMNS = ("frame", "echogram", "layers", "role")
+FRAME_COLUMNS = ("frame", "echogram", "layers", "role")
 # A frame to track needs no layers. Its echogram may have another role in another row.
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
 # Layers have the clock of their echogram if this share of its range lines has a line of the layers
-# within SAME_LINE.
-MOST_LINES = 0.99
-SAME_LINE = np.timedelta64(1, "ms")
+# within SAME_TIME.
+LEAST_SHARE_OF_LINES = 0.99
+SAME_TIME = np.timedelta64(1, "ms")
 
 
 def read_frames(path):
@@ -51,11 +51,11 @@ def read_frames(path):
         table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
         table = table.rename(columns=str.strip)
     is_ragged = not isinstance(table.index, pd.RangeIndex)
-    if is_ragged or sorted(table.columns) != sorted(COLUMNS) or table.empty:
-        expected = f"{', '.join(COLUMNS)}, and rows of as many fields"
+    if is_ragged or sorted(table.columns) != sorted(FRAME_COLUMNS) or table.empty:
+        expected = f"{', '.join(FRAME_COLUMNS)}, and rows of as many fields"
         found = f"{', '.join(map(str, table.columns))}, and {len(table)} rows"
         raise refusal(path, "columns", expected, f"{found}, longer ones" if is_ragged else found)
-    table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
+    table = table[list(FRAME_COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
         files = table[name]
         table[name] = [os.path.abspath(path.parent / file) if file else "" for file in files]
@@ -73,7 +73,7 @@ def _troubles(table):
     is_held_out = role.isin(HELD_OUT).groupby(real).transform("any")
     twice = pd.DataFrame({"file": real, "role": role}).duplicated(keep=False)
     once = f"expected once for a role, and for {' or '.join(HELD_OUT)} alone, found"
-    is_bad = ~table["frame"].str.fullmatch(NAME.pattern)
+    is_bad = ~table["frame"].str.fullmatch(SCENE_NAME.pattern)
     # A file or a directory: a Zarr store is a directory.
     absent = ~table[["echogram", "layers"]].map(os.path.exists)
     checks = [
@@ -201,7 +201,7 @@ def _layers_from_surface(path, layer_names):
     """Layers of a file from the surface down: all, or those of `layer_names`, NaN if missing."""
     layers = read_layers(path, names=layer_names, missing="skip")
     if layer_names is not None:
-        absent = {"twtt": np.nan, **ABSENT}
+        absent = {"twtt": np.nan, **VALUES_WITHOUT_PICK}
         layers = layers.reindex(layer=list(layer_names), fill_value=absent)
         check_layers(layers, f"{path}: in the order of layer_names")
     if not begins_with_surface(layers):
@@ -215,15 +215,15 @@ def _check_clock(path, layers, echogram):
     """Raise ValueError if the layers fit the echogram only after a shift by leap seconds."""
     ours, theirs = (pd.Index(each["slow_time"].values) for each in (echogram, layers))
     late_s = leap_seconds(ours.values[0])
-    reach = np.median(np.diff(theirs)) if theirs.size > 1 else SAME_LINE
-    for tolerance in (SAME_LINE, reach):
+    reach = np.median(np.diff(theirs)) if theirs.size > 1 else SAME_TIME
+    for tolerance in (SAME_TIME, reach):
         share = {}
         for shift_s in (0, late_s, -late_s):
             shifted = theirs + np.timedelta64(shift_s, "s")
             nearest = shifted.get_indexer(ours, method="nearest", tolerance=tolerance)
             share[shift_s] = (nearest >= 0).mean()
         shift_s = max(share, key=share.get)
-        if share[0] < MOST_LINES <= share[shift_s]:
+        if share[0] < LEAST_SHARE_OF_LINES <= share[shift_s]:
             order = "later" if shift_s < 0 else "earlier"
             found = f"times {abs(shift_s)} s {order} than its own: is one of both GPS time?"
             raise refusal(path, "slow_time", "UTC as in the echogram", found)

@@ -22,11 +22,11 @@ from snowsim.io.echograms import l1b_content, parameters
 from snowsim.io.files import library_errors, locked, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 
-SURFACE = "surface"
-TRACKED = "snow_"  # begins the names of layers that `snowsim track` found
+SURFACE_NAME = "surface"
+TRACKED_PREFIX = "snow_"  # begins the names of layers that `snowsim track` found
 # Names of the first two entries of an old file without names, by convention of the format.
 OLD_NAMES = ("surface", "bottom")
-AXES = ("layer", "slow_time")
+LAYER_AXES = ("layer", "slow_time")
 # Variables on these axes, and their attributes.
 PICKS = {
     "twtt": {"units": "s"},
@@ -35,14 +35,14 @@ PICKS = {
 }
 MANUAL = 1
 # Values on range lines without a pick.
-ABSENT = {"quality": 1, "type": 2}
+VALUES_WITHOUT_PICK = {"quality": 1, "type": 2}
 # A surface this far above all others is a placeholder, not a surface: 30 m of air; or 1.5 m, if
 # that is N_GAPS times the largest gap among the others.
-FAR_S = 2e-7
-NEAR_S = 1e-8
+PLACEHOLDER_S = 2e-7
+NEAR_PLACEHOLDER_S = 1e-8
 N_GAPS = 5
 # Names in old files and in those of Open Polar Radar, by the names in new CReSIS files.
-RENAMED = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
+CRESIS_NAMES = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 
 
 def read_layers(path, *, names=None, missing="refuse"):
@@ -128,7 +128,7 @@ def open_segment(paths):
     segments = set()
     for path in paths:
         layers = read_layers(path)
-        if any(str(name).startswith(TRACKED) for name in layers.get_index("layer")):
+        if any(str(name).startswith(TRACKED_PREFIX) for name in layers.get_index("layer")):
             segment, _ = named_frame(layers.attrs.get("granule", path))
             segments |= {segment} - {None}
         frame = Path(path).stem.removesuffix("_layers")
@@ -136,7 +136,7 @@ def open_segment(paths):
         frames.append(layers.assign_coords(frame=names))
     if len(segments) > 1:
         told = " and ".join(sorted(segments))
-        expected = f"one, of which alone {TRACKED}1, {TRACKED}2 and so on are the same layers"
+        expected = f"one segment, in which {TRACKED_PREFIX}1 of all frames is one layer"
         raise refusal(where, "segments", expected, told)
     frames.sort(key=lambda frame: frame["slow_time"].values[0])
     _check_together(frames, where)
@@ -147,13 +147,13 @@ def open_segment(paths):
         coords="minimal",
         compat="override",
         join="outer",
-        fill_value=ABSENT,
+        fill_value=VALUES_WITHOUT_PICK,
         combine_attrs="drop_conflicts",
     )
     names = joined["layer"].values
-    in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
+    in_order = sorted(names, key=lambda name: (name != SURFACE_NAME, len(str(name)), name))
     by_name = joined.sel(layer=in_order)
-    twtt = by_name["twtt"].transpose(*AXES).values
+    twtt = by_name["twtt"].transpose(*LAYER_AXES).values
     if crossing_layers(twtt).any():  # such names are years, or have a group
         by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
     check_layers(by_name, f"{where} of {paths[0]}")
@@ -164,7 +164,7 @@ def _check_together(frames, where):
     """Refuse frames that were not tracked in one call, and say which of them a person corrected."""
     digests = {frame.attrs.get("tracked_together") for frame in frames} - {None}
     if len(digests) > 1:
-        expected = f"one, for {TRACKED}1 of each is another layer (track them in one call)"
+        expected = f"one, for {TRACKED_PREFIX}1 of each is another layer (track them in one call)"
         raise refusal(where, "tracked_together", expected, f"{len(digests)} calls of track")
     for first, second in itertools.pairwise(frames):
         if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
@@ -185,14 +185,14 @@ def read_cresis_layers(stored):
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it, as group:name if two
     layers have the same name. Without an organizer they are "id 1", "id 2", ...
     """
-    values = stored.read(("id", *PICKS, *RENAMED, "peak_twtt", "place"))
-    values = {RENAMED.get(name, name): value for name, value in values.items()}
+    values = stored.read(("id", *PICKS, *CRESIS_NAMES, "peak_twtt", "place"))
+    values = {CRESIS_NAMES.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         expected = "at least one layer with picks"
         raise refusal(stored.path, "twtt", expected, "no layer (MATLAB_empty)")
     ids = np.ravel(values["id"])
     shape = (ids.size, np.size(values["GPS_time"]))
-    absent = {name: np.full(shape, value) for name, value in ABSENT.items()}
+    absent = {name: np.full(shape, value) for name, value in VALUES_WITHOUT_PICK.items()}
     picks = {name: np.asarray((absent | values)[name]) for name in PICKS}
     # An array of a single layer, or of a single line, has lost that axis.
     picks = {name: of if of.ndim == 2 else of.reshape(shape) for name, of in picks.items()}
@@ -201,7 +201,7 @@ def read_cresis_layers(stored):
     dataset = _layers_dataset(values, picks, names, "CReSIS layer")
     if "peak_twtt" in values:
         dataset["peak_twtt"] = (
-            AXES,
+            LAYER_AXES,
             np.reshape(values["peak_twtt"], shape),
             {"units": "s", "place": "peak"},
         )
@@ -229,9 +229,9 @@ def read_cresis_layer_data(stored):
         quality = np.ravel(entry.get("quality", ()))
         picks["twtt"].append(automatic)
         picks["quality"].append(
-            quality if quality.size == n_lines else np.full(n_lines, ABSENT["quality"])
+            quality if quality.size == n_lines else np.full(n_lines, VALUES_WITHOUT_PICK["quality"])
         )
-        types = np.full(n_lines, ABSENT["type"])
+        types = np.full(n_lines, VALUES_WITHOUT_PICK["type"])
         types[np.flatnonzero(np.isfinite(manual))] = MANUAL
         picks["type"].append(types)
         unnamed = OLD_NAMES[number] if number < len(OLD_NAMES) else f"layer {number + 1}"
@@ -248,7 +248,7 @@ def read_opr_layers(stored):
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
-    return dataset.transpose(*AXES, ...)
+    return dataset.transpose(*LAYER_AXES, ...)
 
 
 def select_layers(dataset, names, missing, where):
@@ -286,7 +286,7 @@ def _without_placeholders(dataset, where):
     times_s = np.unique(surface_s[np.isfinite(surface_s)])
     is_first = np.isin(surface_s, times_s[:1])
     gap_s, others_s = np.split(np.diff(times_s), [1])
-    far_s = min(FAR_S, max(NEAR_S, N_GAPS * others_s.max(initial=0)))
+    far_s = min(PLACEHOLDER_S, max(NEAR_PLACEHOLDER_S, N_GAPS * others_s.max(initial=0)))
     if is_first.sum() < 2 or not (gap_s > far_s).any():
         return dataset
     msg = (
@@ -334,7 +334,7 @@ def begins_with_surface(layers):
 def surface_among(names):
     """Index of the name of the snow surface, with or without its group, or None."""
     plain = [name.rpartition(":")[2] for name in names]
-    return plain.index(SURFACE) if SURFACE in plain else None
+    return plain.index(SURFACE_NAME) if SURFACE_NAME in plain else None
 
 
 def find_organizer(path):
@@ -380,13 +380,13 @@ def _layers_dataset(values, picks, names, source):
         "group": ("layer", np.array(groups, str)),
     }
     for name, attributes in PICKS.items():
-        variables[name] = (AXES, np.array(picks[name], dtype=float), attributes)
+        variables[name] = (LAYER_AXES, np.array(picks[name], dtype=float), attributes)
     for name in POSITION:
         if name in values:
             position = np.ravel(values[name]).astype(float)
             variables[name] = ("slow_time", position, {"units": UNITS[name]})
     dataset = xr.Dataset(variables, attrs={"source_format": source}).set_coords("group")
-    for name in ABSENT:
+    for name in VALUES_WITHOUT_PICK:
         flags = dataset[name].fillna(0)
         if flags.min() < 0 or flags.max() > 255:
             raise refusal(None, name, "flags within 0 to 255", f"up to {flags.max():g}")
@@ -395,7 +395,7 @@ def _layers_dataset(values, picks, names, source):
     return dataset.assign_attrs(empty_layers=", ".join(dataset["layer"].values[without]))
 
 
-VERSION = "1"
+LAYER_FILE_VERSION = "1"
 GROUP_OF_SURFACE = "standard"
 GROUP = "snowsim"
 # Descriptions of layers in the organizer.
@@ -467,7 +467,7 @@ def write_cresis(path, dataset):
         write_matlab(file, "layers", content)
 
 
-def layer_numbers(layers):
+def numbers_in_names(layers):
     """Numbers of the layers of a dataset from their names, 0 the surface; without names 0, 1, ...
 
     ValueError for other names than surface and snow_i, which a layer file would not keep.
@@ -476,9 +476,9 @@ def layer_numbers(layers):
         return np.arange(layers.sizes["layer"])
     numbers = []
     for name in map(str, layers["layer"].values):
-        digits = "0" if name == SURFACE else name.removeprefix(TRACKED)
+        digits = "0" if name == SURFACE_NAME else name.removeprefix(TRACKED_PREFIX)
         if not digits.isdecimal():
-            msg = f"layer: expected {SURFACE}, snow_1, snow_2 and so on, found {name!r}"
+            msg = f"layer: expected {SURFACE_NAME}, snow_1, snow_2 and so on, found {name!r}"
             raise ValueError(msg)
         numbers.append(int(digits))
     return np.array(numbers)
@@ -520,7 +520,7 @@ def refuse_existing(path):
 
 def _contents(segment, frames, origin):
     """Variables of layer files by path, the organizer last; `frames` holds layers by path."""
-    n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
+    n_layers = 1 + max(int(numbers_in_names(layers).max()) for layers in frames.values())
     contents = {}
     for path, layers in frames.items():
         check_layers(layers, str(path))
@@ -528,7 +528,7 @@ def _contents(segment, frames, origin):
             contents[path] = _frame_content(segment, layers, n_layers)
     contents[path.with_name(f"layer_{segment}.mat")] = {
         "file_type": "layer_organizer",
-        "file_version": VERSION,
+        "file_version": LAYER_FILE_VERSION,
         "lyr_age": np.full(n_layers, np.nan),
         "lyr_age_source": _cell([np.empty((0, 0), dtype=object)] * n_layers),
         "lyr_desc": _cell(["snow surface"] + [origin] * (n_layers - 1)),
@@ -544,12 +544,12 @@ def _contents(segment, frames, origin):
 def _frame_content(segment, layers, n_layers):
     """Variables of the layer file of one frame, by name."""
     shape = (n_layers, layers.sizes["slow_time"])
-    numbers = layer_numbers(layers)
+    numbers = numbers_in_names(layers)
     twtt = np.full(shape, np.nan)
     twtt[numbers] = layers["twtt"].transpose("layer", "slow_time").values
     content = {
         "file_type": "layer",
-        "file_version": VERSION,
+        "file_version": LAYER_FILE_VERSION,
         "gps_time": gps_seconds(layers["slow_time"].values),
         "id": 1.0 + np.arange(n_layers),
         "twtt": twtt,
@@ -560,10 +560,10 @@ def _frame_content(segment, layers, n_layers):
         content["peak_twtt"][numbers] = layers["peak_twtt"].transpose("layer", "slow_time").values
     if "place" in layers["twtt"].attrs:
         content["place"] = layers["twtt"].attrs["place"]
-    for theirs, ours in RENAMED.items():
+    for theirs, ours in CRESIS_NAMES.items():
         if ours in POSITION:
             content[theirs] = layers[ours].values.astype(float)
-    for name, absent in ABSENT.items():
+    for name, absent in VALUES_WITHOUT_PICK.items():
         flags = np.full(shape, absent)
         flags[numbers] = layers[name].transpose("layer", "slow_time").values
         content[name] = np.where(np.isfinite(twtt), flags, absent).astype(np.uint8)
@@ -571,7 +571,7 @@ def _frame_content(segment, layers, n_layers):
 
 
 def _layer_names(n_layers):
-    return [SURFACE, *(f"snow_{layer}" for layer in range(1, n_layers))]
+    return [SURFACE_NAME, *(f"snow_{layer}" for layer in range(1, n_layers))]
 
 
 def _cell(values):

@@ -314,7 +314,7 @@ MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 # Names of scenes, which become names of files. The published loader replaces "data_" anywhere in a
 # name, and "layer_" before a name that begins with "binary_" would look like a mask.
 PLAIN_NAME = "a plain file name without data_ and binary_"
-NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
+SCENE_NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
 def check_empty(folder):
@@ -350,7 +350,7 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     n_merged = 0
     spacings = {name: [] for name in SPACING}
     for scene in scenes:
-        if not NAME.fullmatch(scene.name) or scene.name in names:
+        if not SCENE_NAME.fullmatch(scene.name) or scene.name in names:
             expected = f"{PLAIN_NAME}, unlike all others"
             raise refusal(folder, "scene", expected, repr(scene.name))
         if scene.image is None or "data_" in folder.name:

@@ -22,7 +22,7 @@ LAYER_FILES = (".mat", ".nc")
 # Prefixes of file names, those of truth and picks first, or those of edge maps first.
 PREFIXES_OF_LABELS = ("layer_binary_", "layer_", "", "data_")
 PREFIXES_OF_MAPS = ("", "data_", "layer_", "layer_binary_")
-NAME = re.compile("(layer_binary_|layer_|data_|)(.*?)(?:_layers)?")
+LABEL_FILE = re.compile("(layer_binary_|layer_|data_|)(.*?)(?:_layers)?")
 # Correlation above which a map is an image itself, scaled or rounded.
 SAME_IMAGE = 0.999
 # `snowsim track` writes these beside its layers: pictures, and the names of a segment's layers.
@@ -77,7 +77,9 @@ def _files_by_name(folder, prefixes, endings):
     if twice:
         raise refusal(folder, "path", "a folder of files whose names differ", listed(twice))
     files = {}
-    for path in sorted(accepted, key=lambda path: prefixes.index(NAME.fullmatch(path.stem)[1])):
+    for path in sorted(
+        accepted, key=lambda path: prefixes.index(LABEL_FILE.fullmatch(path.stem)[1])
+    ):
         files.setdefault(_name(path), path)
     others = {_name(path): path for path in paths if path.suffix not in endings}
     return files, {name: path for name, path in others.items() if name not in files}
@@ -85,7 +87,7 @@ def _files_by_name(folder, prefixes, endings):
 
 def _name(path):
     """Name by which files belong together: without prefix, and without `_layers` at its end."""
-    return NAME.fullmatch(path.stem)[2]
+    return LABEL_FILE.fullmatch(path.stem)[2]
 
 
 def read_map(path):
@@ -113,7 +115,7 @@ def read_map(path):
 def refuse_image(probability, path, truth):
     """Refuse an edge map that is the echogram image beside its truth, whatever its scale.
 
-    Images are `data_NAME.png` or `NAME.png` in the folder of the truth.
+    Images are `data_NAME.png` or `LABEL_FILE.png` in the folder of the truth.
     """
     for prefix in ("data_", ""):
         beside = truth.with_name(f"{prefix}{_name(truth)}.png")

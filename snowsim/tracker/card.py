@@ -23,18 +23,18 @@ CONFIDENCE = (-0.62, 0.1, 1.08)
 # simulations whose surface is at least 15 dB above noise.
 ECHO_DB = 1.0
 # Texts for people in a card that is written.
-VERSION = "3"
-INPUT = (
+CARD_VERSION = "3"
+INPUT_TEXT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
     "near row 50; grey is linear in dB, 0 at 10 dB below the noise floor (the least mean of a row "
     "in dB), 255 at the maximum"
 )
-QUALITY = (
+QUALITY_TEXT = (
     "quality 1: confidence of 0.8 or more that a layer lies within 2 of the tracker's range bins, "
     "as calibrated on synthetic flights; never where bin_s, line_spacing_m or n_looks lie outside "
     "the ranges"
 )
-OUTPUT = "logit: the same shape; probability of a layer is sigmoid(logit / temperature)"
+OUTPUT_TEXT = "logit: the same shape; probability of a layer is sigmoid(logit / temperature)"
 
 
 @dataclass(frozen=True)
@@ -134,11 +134,11 @@ def make_card(
     """
     card = {
         "name": name,
-        "version": VERSION,
+        "version": CARD_VERSION,
         "trained_on": trained_on,
-        "input": INPUT,
-        "output": OUTPUT,
-        "quality": QUALITY,
+        "input": INPUT_TEXT,
+        "output": OUTPUT_TEXT,
+        "quality": QUALITY_TEXT,
         "bin_s": bin_s,
         "line_spacing_m": line_spacing_m,
         "n_looks": n_looks,

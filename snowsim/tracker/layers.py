@@ -17,7 +17,7 @@ from snowsim.tracker.linking import LINKING
 GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
 # Least confidence of a good pick, and of a moderate one.
-QUALITY = (0.8, 0.5)
+QUALITY_LIMITS = (0.8, 0.5)
 # Pieces with a lower mean confidence are left out, which raises F on tuning flights.
 LEAST_CONFIDENCE = 0.4
 # A line is faded, by a roll for instance, if its largest power is this far below the median of the
@@ -25,8 +25,8 @@ LEAST_CONFIDENCE = 0.4
 FADE_DB = 6.0
 CLOSE = 1.5  # times `LINKING.apart_rows`, at which years are merged in simulated firn
 LEAST_ROWS = 0.5  # from the surface to a layer
-ALONG = ("layer", "slow_time")
-ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
+LAYER_AXES = ("layer", "slow_time")
+POSITIONS = ("Latitude", "Longitude", "Elevation")
 NEAR_LINES = 8  # range lines to either side of a pick
 FAR_LINES = 48
 LARGEST = 3.0  # log-odds of a pick are clipped to this
@@ -107,7 +107,9 @@ def _dataset(canonical, numbers, rows, sure):
     """
     half = half_width_rows(sure) * canonical.grid.bin_s
     twtt = canonical.grid.twtt(rows)
-    quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))
+    quality = np.where(
+        sure >= QUALITY_LIMITS[0], GOOD, np.where(sure >= QUALITY_LIMITS[1], MODERATE, BAD)
+    )
     if canonical.outside:
         quality = np.maximum(quality, MODERATE)
     quality = np.where(close_layers(rows), np.maximum(quality, MODERATE), quality)
@@ -115,13 +117,13 @@ def _dataset(canonical, numbers, rows, sure):
     picked = np.isfinite(twtt)
     flags = {"quality": np.where(picked, quality, GOOD), "type": np.full(twtt.shape, AUTOMATIC)}
     seconds = {"twtt": twtt, "twtt_low": twtt - half, "twtt_high": twtt + half}
-    variables = {name: (ALONG, values, {"units": "s"}) for name, values in seconds.items()}
+    variables = {name: (LAYER_AXES, values, {"units": "s"}) for name, values in seconds.items()}
     variables["twtt"][-1]["place"] = "peak"  # of an echo, as `snowsim.io.read_layers` has it
-    variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
+    variables |= {name: (LAYER_AXES, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
-    variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
+    variables["confidence"] = (LAYER_AXES, sure, {"units": "1", "long_name": meaning})
     echogram = canonical.echogram
-    for name in ALONG_TRACK:
+    for name in POSITIONS:
         variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
     coordinates = {"layer": numbers, "slow_time": echogram["slow_time"].values}
     kept = ("season_name", "radar_name", "day_seg")

@@ -12,8 +12,8 @@ from torch import nn
 from snowsim.tracker.network import MultiScaleNetwork, PyramidNetwork
 from snowsim.training import load_weights
 
-INPUT = "image"
-OUTPUT = "logit"
+INPUT_NAME = "image"
+OUTPUT_NAME = "logit"
 TRACED_SHAPE = (1, 1, 64, 48)  # image of the export; the exported network takes any size
 PREFIX = "network."  # of the names of weights in the file
 
@@ -63,9 +63,9 @@ def to_onnx(network, offset=0.0, about=None):
             content,
             dynamo=False,
             do_constant_folding=False,
-            input_names=[INPUT],
-            output_names=[OUTPUT],
-            dynamic_axes={INPUT: sizes, OUTPUT: sizes},
+            input_names=[INPUT_NAME],
+            output_names=[OUTPUT_NAME],
+            dynamic_axes={INPUT_NAME: sizes, OUTPUT_NAME: sizes},
         )
     model = onnx.load_model_from_string(content.getvalue())
     onnx.helper.set_model_props(model, about or {})
