@@ -167,7 +167,7 @@ def segment_files(folder, names):
 def test_layers_of_a_segment_may_be_named_by_years_but_tracked_ones_are_of_one_segment(tmp_path):
     joined = open_segment(segment_files(tmp_path, ["2010", "2011"]))
     assert joined["layer"].values.tolist() == ["surface", "2011", "2010"]
-    with refusal("segments: expected one, .* found 20120330_04 and 20120330_05$"):
+    with refusal("segments: expected one segment, .* found 20120330_04 and 20120330_05$"):
         open_segment(segment_files(tmp_path, ["snow_1", "snow_2"]))
 
 
