@@ -1,7 +1,9 @@
 """Arrows between modules point one way."""
 
 import ast
+import importlib
 import sys
+from importlib.util import find_spec
 
 import pytest
 from processes import ROOT, run_in
@@ -138,3 +140,26 @@ def test_folders_of_the_workflow_import_only_those_below_them(folder):
             # The synthetic flight stands on the core and the physics of firn.
             used = {name for name in names if name.startswith("snowsim.")}
             assert all(name.startswith(BELOW_REFERENCE) for name in used), f"{path.name}: {used}"
+
+
+SCRIPTS = sorted(
+    path.relative_to(ROOT)
+    for folder in ("workflow", "docs", "benchmarks")
+    for path in (ROOT / folder).rglob("*.py")
+)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=str)
+def test_what_a_script_imports_exists(script, monkeypatch):
+    """Scripts are run by slow tests alone, so a name that is gone would be found late."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    own_folders = ["workflow", "workflow/scripts", "workflow/evaluation", "docs"]
+    sys.path[:0] = [str((ROOT / script).parent), *(str(ROOT / name) for name in own_folders)]
+    ours = ("snowsim", "lib", "pretrained", "reference", "evaluation", "main_path", "job")
+    for node in ast.walk(ast.parse((ROOT / script).read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module.split(".")[0] in ours:
+            module = importlib.import_module(node.module)
+            for name in node.names:
+                assert hasattr(module, name.name) or find_spec(f"{node.module}.{name.name}"), (
+                    name.name
+                )

@@ -18,7 +18,8 @@ density = 330 + 25 * depth_m + 20 * np.sin(2 * np.pi * depth_m / 0.6)
 density += 15 * rng.standard_normal(depth_m.size)
 density[[160, 420]] = 800  # ice
 density[300:320] = np.nan  # missing
-pit = snowsim.Snowpack.from_profile(depth_m, density)
+sampled = np.isfinite(density)  # samples reach half-way to their neighbours
+pit = snowsim.Snowpack.from_profile(depth_m[sampled], density[sampled])
 
 figure, axes = plt.subplots(1, 3, figsize=(9, 4), layout="constrained")
 axes[0].plot(density, depth_m, "k", linewidth=0.7)

@@ -8,7 +8,7 @@ from lib.own_functions import own_function
 from snowsim.front import rendered_by
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.labels import dress
+from snowsim.labels import echoes_of_layers
 
 with job(snakemake):
     flight = read_dataset(snakemake.input.statistics)
@@ -16,7 +16,7 @@ with job(snakemake):
 
     def rendered(scene):
         """The scene with its image; one without echoes of its own has the flight's mean powers."""
-        echoes = scene.echoes or dress(scene.layer_bins, flight)
+        echoes = scene.echoes or echoes_of_layers(scene.layer_bins, flight)
         return rendered_by(dataclasses.replace(scene, echoes=echoes), renderer)
 
     attributes = {"method": snakemake.params.renderer, "synthetic": flight.attrs["synthetic"]}

@@ -5,4 +5,4 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 
-from job import checkout_files, job, progress  # noqa: F401
+from job import ROOT, checkout_files, job, progress  # noqa: F401
