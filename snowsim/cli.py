@@ -1,4 +1,7 @@
-"""Command `snowsim`, a function for each of its own; what takes time is imported when it runs."""
+"""The command `snowsim`: each of its commands is a function here.
+
+A function imports the modules that take long to load, so that help appears at once.
+"""
 
 import dataclasses
 import json
@@ -26,34 +29,44 @@ seed_option = click.option(
 )
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
-SHOWN = {"show_default": True}
+SHOW_DEFAULTS = {"show_default": True}
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
-MOST_FRAMES = 999  # of a segment: their numbers have three digits
-into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
-over_option = click.option("--force", is_flag=True, help="Write over files that are there.")
+MOST_FRAMES = 999  # frames of a segment: their numbers have three digits
+force_folder_option = click.option(
+    "--force",
+    is_flag=True,
+    help="Write even if the folder is not empty; without it, such a folder is refused.",
+)
+force_files_option = click.option(
+    "--force", is_flag=True, help="Replace files that exist; without it, they are refused."
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__)
 def commands():
-    """Simulate snow radar, and score what tracks its layers; the whole workflow is `make run`.
+    """Simulate Snow Radar echograms, track their layers and score trackers.
 
-    Errors are one line; exit codes 1 bad data or no room, 2 bad usage, 130 interrupted.
+    The whole workflow runs with `make run`. An error is one line. Exit codes: 1, bad data or a full
+    disk; 2, bad usage; 130, interrupted.
     """
 
 
-@commands.command(short_help="Scenes as image pairs, the published benchmark's layout.")
+@commands.command(short_help="Write scenes as image pairs.")
 @click.argument("sources", nargs=-1, required=True, type=EXISTING)
 @click.argument("folder", type=FOLDER)
 @click.option(
-    "--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes."
+    "--layers",
+    type=EXISTING,
+    help="File of the layers of the echogram, if the source is an echogram.",
 )
-@into_option
+@force_folder_option
 def export(sources, folder, layers, force):
-    """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image
-    pairs, or of one echogram with its --layers, which is levelled and cut into blocks of 256 range
-    lines.
+    """Write the scenes of SOURCES to FOLDER as image pairs, in the published benchmark's layout.
+
+    SOURCES are scene sets, folders of image pairs, or one echogram with its --layers. An echogram
+    is levelled and cut into blocks of 256 range lines.
 
     \b
     Examples:
@@ -82,7 +95,10 @@ def export(sources, folder, layers, force):
 
 
 def scene_set(source):
-    """Scenes of a scene set, or of a folder of image pairs; an echogram needs its layers."""
+    """Scenes of a scene set, or of a folder of image pairs.
+
+    An echogram is refused, with the advice to name its layers.
+    """
     from snowsim.io.containers import ECHOGRAMS, format_of, in_words, open_container
     from snowsim.io.files import is_zarr
     from snowsim.io.pairs import PairSet
@@ -98,17 +114,19 @@ def scene_set(source):
             raise
         msg = (
             f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
-            "where there are none, snowsim track picks them"
+            "if there is none, snowsim track picks them"
         )
         raise click.UsageError(msg) from error
 
 
-@commands.command(short_help="What a file is, and what tracking would note.")
+@commands.command(short_help="Describe a file.")
 @click.argument("file", type=EXISTING)
 def info(file):
-    """Say what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
-    statistics, an image or an array, or a folder of image pairs; its sizes, radar, time and place.
-    For an echogram, print the notes that `snowsim track` would give.
+    """Print the format of FILE, its sizes, radar, time and place.
+
+    FILE is an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar), layers, scenes, statistics, an
+    image, an array, or a folder of image pairs. For an echogram, the notes that `snowsim track`
+    would give follow.
 
     \b
     Examples:
@@ -117,15 +135,16 @@ def info(file):
     """  # noqa: D205, D301
     from snowsim.io.describe import describe
 
-    lines, held = describe(file)
-    for what, line in lines.items():
-        click.echo(f"{what:<7} {line}")
-    for note in track_notes(file, held) if held is not None and "Data" in held else ():
-        click.echo(f"note    {note}")
+    lines, dataset = describe(file)
+    for name, line in lines.items():
+        click.echo(f"{name:<7} {line}")
+    if dataset is not None and "Data" in dataset:
+        for note in track_notes(file, dataset):
+            click.echo(f"note    {note}")
 
 
 def track_notes(path, echogram):
-    """Notes that tracking with the shipped tracker would give on an echogram; or its refusal."""
+    """Notes on an echogram by the shipped tracker, or the reason why it refuses to track it."""
     from snowsim.io.models import read_tracker, shipped_trackers
     from snowsim.tracker import canonical, checked_card
 
@@ -137,41 +156,47 @@ def track_notes(path, echogram):
         return [f"not tracked: {error}"]
 
 
-@commands.command(short_help="Scenes to train a tracker on.", context_settings=SHOWN)
+@commands.command(short_help="Draw scenes to train a tracker on.", context_settings=SHOW_DEFAULTS)
 @click.argument("folder", type=FOLDER)
 @click.option("-n", "n", type=COUNT, default=1500, help="Number of scenes.")
 @click.option(
     "--statistics",
     type=click.Path(exists=True, dir_okay=False),
-    help="Statistics of a flight; default: those of the reference flight.",
+    help="File of the statistics of a flight; by default, those of the reference flight.",
 )
 @click.option(
     "--range-lines",
     "n_range_lines",
     type=click.IntRange(2, MOST_RANGE_LINES),
     default=256,
-    help="Range lines of a scene.",
+    help="Number of range lines of a scene.",
 )
 @click.option(
     "--range-bins",
     "n_range_bins",
     type=COUNT,
-    help="Range bins of a scene; default: as many as its layers need.",
+    help="Number of range bins of a scene; by default, as many as its layers need.",
 )
 @click.option(
     "--recipe",
     type=click.Choice(["measured", "paper"]),
     default="measured",
-    help="Layers as in the flight, or as the paper prints them, which needs --statistics.",
+    help="Draw layers as measured in the flight, or by the equations of the paper, which need "
+    "--statistics of the estimator paper.",
 )
 @click.option(
-    "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Looks averaged into a pixel."
+    "--looks",
+    "n_looks",
+    type=click.FloatRange(1),
+    default=16,
+    help="Number of looks averaged into a pixel.",
 )
-@into_option
+@force_folder_option
 @seed_option
 def scenes(folder, n, statistics, force, seed, **settings):
-    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER
-    as image pairs in the published benchmark's layout.
+    """Draw scenes from the statistics of a flight and write them to FOLDER as image pairs.
+
+    Layers are drawn, PHY renders their echoes, and files are in the published benchmark's layout.
 
     \b
     Examples:
@@ -188,64 +213,80 @@ def scenes(folder, n, statistics, force, seed, **settings):
 
 
 @commands.command(
-    short_help="Edge scores and errors of picks of a tracker.", context_settings=SHOWN
+    short_help="Score a tracker's edge maps or picks.", context_settings=SHOW_DEFAULTS
 )
 @click.argument("predictions", type=EXISTING)
 @click.argument("truth", type=EXISTING)
-@click.option("--picks", is_flag=True, help="Predictions are layers, which have no edge scores.")
+@click.option(
+    "--picks",
+    is_flag=True,
+    help="Predictions are picked layers, not edge maps; they have no edge scores.",
+)
 @click.option(
     "--thresholds",
     type=click.Choice(["quantiles", "published"]),
     default="quantiles",
-    help="Thresholds: quantiles of the maps' values, or .01 to .99 as published.",
+    help="Thresholds of the maps: quantiles of their values, or .01 to .99 as published.",
 )
 @click.option(
     "--no-suppress",
     "suppressed",
     is_flag=True,
-    help="Maps are thin already: leave out suppression.",
+    help="Do not suppress maps to ridges first, as they are thin already.",
 )
 @click.option(
     "--tolerance",
     type=NOT_NEGATIVE,
     default=0.0075,
-    help="Largest distance of matched pixels, as a share of the image diagonal.",
+    help="Largest distance between matched pixels, as a share of the image diagonal.",
 )
 @click.option(
     "--max-distance-bins",
     type=POSITIVE,
     default=10.0,
-    help="Largest distance of a pick from its layer, in range bins.",
+    help="Largest distance between a pick and its layer [range bins].",
 )
 @click.option(
     "--within-bins",
     type=NOT_NEGATIVE,
     default=2.0,
-    help="Largest error that counts in share_within, in range bins.",
+    help="Largest error of a pick that counts in share_within [range bins].",
 )
 @click.option(
-    "--bin-s", type=POSITIVE, help="Range bin of the echograms in seconds; layer files need it."
+    "--bin-s",
+    type=POSITIVE,
+    help="Length of a range bin of the echograms [s], two-way; needed for layer files only.",
 )
 @click.option(
     "--bootstrap",
     "n_bootstrap",
     type=COUNT,
     default=1000,
-    help="Number of resamples of the images for the intervals.",
+    help="Number of resamples of the images, from which the intervals come.",
 )
 @seed_option
-@click.option("-j", "--processes", type=COUNT, default=1)
-@click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
+@click.option(
+    "-j", "--processes", type=COUNT, default=1, help="Number of processes that work at once."
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "csv", "json"]),
+    default="table",
+    help="Format of the printed scores.",
+)
 def score(predictions, truth, form, **settings):
-    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders or
-    two files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false
-    layers, of every image and, with 95 % intervals by the bootstrap over images, of all.
+    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH.
 
-    Maps are 8-bit grey PNG images or .npy files of floats in [0, 1], bright on dark; they are
+    Both are folders, or both are files. Scores are ODS, OIS, AP, mean absolute error of picks,
+    share of picks within 2 bins, and numbers of missed and false layers. They are printed for every
+    image, then for all images together with 95 % intervals (bootstrap over images).
+
+    Maps are 8-bit grey PNG images or .npy files of floats in [0, 1], with bright layers; they are
     suppressed to ridges first. Truth is a mask or layer numbers (PNG, or .npy of whole numbers) or
     layers in range bins (.npy of floats). A missing prediction counts as an empty map. The truth of
-    data_NAME or NAME is layer_binary_NAME, layer_NAME or NAME. With --picks both may be layer
-    files, such as `snowsim track` writes.
+    data_NAME or NAME is layer_binary_NAME, layer_NAME or NAME. With --picks, both may be layer
+    files like those of `snowsim track`.
 
     \b
     Examples:
@@ -260,60 +301,77 @@ def score(predictions, truth, form, **settings):
     table = score_folders(predictions, truth, **settings)
     notes = table.attrs["notes"]
     if form != "json":
-        # A table of numbers alone goes into files.
+        # The CSV on stdout holds the table alone.
         click.echo("".join(f"{note}\n" for note in notes), nl=False, err=form == "csv")
     if form == "csv":
         click.echo(table.to_csv(index=False, float_format="%.10g", lineterminator="\n"), nl=False)
     elif form == "json":
         rows = json.loads(table.to_json(orient="records", double_precision=10))
-        *images, found, low, high = rows
+        *images, all_images, low, high = rows
         scores = {"notes": notes, "settings": settings}
-        scores |= {"all": found, "low": low, "high": high, "images": images}
+        scores |= {"all": all_images, "low": low, "high": high, "images": images}
         click.echo(json.dumps(scores, indent=1))
     else:
         echo_scores(table)
 
 
 def echo_scores(table):
-    """Show the scores of every image, then those of all with their intervals."""
+    """Print the scores of every image, then those of all images with their intervals."""
     images = table.iloc[:-3]
-    found = table.iloc[-3]
+    all_images = table.iloc[-3]
     low = table.iloc[-2]
     high = table.iloc[-1]
     click.echo(images.to_string(index=False, na_rep="-", float_format="%.4g", max_rows=40))
     click.echo(f"\nall {len(images)} images")
     for name in table.columns[1:]:
-        value = "-" if isnan(found[name]) else f"{found[name]:.4g}"
+        value = "-" if isnan(all_images[name]) else f"{all_images[name]:.4g}"
         interval = "" if isnan(low[name]) else f" [{low[name]:.4g}, {high[name]:.4g}]"
         click.echo(f"  {name:<26} {value}{interval}")
 
 
-@commands.command(short_help="A tracker of layers, trained on scenes.", context_settings=SHOWN)
+@commands.command(short_help="Train a tracker on scenes.", context_settings=SHOW_DEFAULTS)
 @click.argument("sources", nargs=-1, required=True, type=EXISTING)
 @click.option(
     "-o",
     "model",
     required=True,
     type=FILE,
-    help="The network, NAME.onnx; its card is NAME.json.",
+    help="File of the trained network, NAME.onnx; its card is written to NAME.json.",
 )
-@click.option("--from", "start", help="universal, or an .onnx file of this command; else anew.")
-@click.option("--steps", "n_steps", type=COUNT, default=4000, help="Gradients of four crops.")
 @click.option(
-    "--bin-s", type=POSITIVE, help="Range bin of the scenes; else as they tell, or 2.886e-10."
+    "--from",
+    "start",
+    help="Tracker whose weights training starts from: universal, or an .onnx file that this "
+    "command wrote; by default, random weights.",
+)
+@click.option(
+    "--steps",
+    "n_steps",
+    type=COUNT,
+    default=4000,
+    help="Number of training steps, each on four crops.",
+)
+@click.option(
+    "--bin-s",
+    type=POSITIVE,
+    help="Length of a range bin of the scenes [s], two-way; by default, as in their notes, else "
+    "2.886e-10.",
 )
 @click.option(
     "--line-spacing-m",
     type=POSITIVE,
-    help="Distance of range lines of the scenes; else as they tell, or 5.2.",
+    help="Distance between range lines of the scenes [m]; by default, as in their notes, else 5.2.",
 )
-@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Where to train.")
-@over_option
+@click.option(
+    "--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Device to train on."
+)
+@force_files_option
 @seed_option
 def train(sources, model, n_steps, force, **settings):
-    """Train a tracker on the scenes of SOURCES: scene sets, or folders of image pairs. Every tenth
-    scene is held out, and probabilities are calibrated on it: annotate those fully. Needs the extra
-    snowsim[learn].
+    """Train a tracker on the scenes of SOURCES, which are scene sets or folders of image pairs.
+
+    Every tenth scene is held out to calibrate probabilities: annotate these scenes fully. Needs the
+    extra snowsim[learn].
 
     \b
     Examples:
@@ -330,40 +388,45 @@ def train(sources, model, n_steps, force, **settings):
     sets = [scene_set(source) for source in sources]
     with echo_warnings():
         card = train_tracker(model, sets, n_steps=n_steps, **settings)
-    held = card["held_out"]
-    told = "scenes held out: {n_scenes}, too few for a score"
-    if "ods" in held:
-        told = "fused ODS {ods:.3f} [{low:.3f}, {high:.3f}] on {n_scenes} scenes held out"
-    click.echo(f"{model}: {told.format(**held)}")
+    held_out = card["held_out"]
+    result = "scenes held out: {n_scenes}, too few for a score"
+    if "ods" in held_out:
+        result = "fused ODS {ods:.3f} [{low:.3f}, {high:.3f}] on {n_scenes} scenes held out"
+    click.echo(f"{model}: {result.format(**held_out)}")
 
 
-@commands.command(
-    short_help="Echogram and layers over annual snow or a profile.", context_settings=SHOWN
-)
+@commands.command(short_help="Simulate an echogram and its layers.", context_settings=SHOW_DEFAULTS)
 @click.argument("echogram", type=FILE)
 @click.option(
-    "--radar", type=click.Choice(PRESETS), default="snow-2-8", help="Radar of the package."
+    "--radar",
+    type=click.Choice(PRESETS),
+    default="snow-2-8",
+    help="Radar to simulate, by its name in the package.",
 )
 @click.option(
     "--set",
     "changes",
     type=(str, str),
     multiple=True,
-    help="A number or the window of the radar, by its name in the API.",
+    help="Change one setting of the radar, by its name in snowsim.Radar; may be repeated.",
 )
 @click.option(
     "--profile",
     type=EXISTING,
-    help="CSV of a measured profile in place of a climate: depth_m and density_kg_m3.",
+    help="CSV file of a measured profile with columns depth_m and density_kg_m3; by default, "
+    "annual layers are drawn from the climate.",
 )
 @click.option(
-    "--accumulation-m", type=float, default=0.3, help="Snow of a year, in metres of water."
+    "--accumulation-m",
+    type=float,
+    default=0.3,
+    help="Mean annual accumulation [m w.e. / yr].",
 )
 @click.option(
     "--variability",
     type=float,
     default=0.2,
-    help="Standard deviation of its logarithm from year to year.",
+    help="Year-to-year standard deviation of the logarithm of accumulation.",
 )
 @click.option("--years", "n_years", type=int, default=20, help="Number of annual layers.")
 @click.option(
@@ -371,31 +434,33 @@ def train(sources, model, n_steps, force, **settings):
     "n_range_lines",
     type=COUNT,
     default=256,
-    help="Range lines of an echogram.",
+    help="Number of range lines of an echogram.",
 )
 @click.option(
     "--frames",
     "n_frames",
     type=click.IntRange(1, MOST_FRAMES),
     default=1,
-    help="Consecutive echograms that one simulation is cut into, numbered in their names.",
+    help="Number of consecutive echograms to cut the simulation into; their names are numbered.",
 )
 @click.option(
     "--date",
-    help="Day of the flight, YYYY-MM-DD; default: that of the name, else 2000-08-31.",
+    help="Day of the flight, YYYY-MM-DD; by default, the day in the file's name, else 2000-08-31.",
     show_default=False,
 )
-@over_option
+@force_files_option
 @seed_option
 @click.pass_context
 def simulate(
     context, echogram, radar, changes, profile, n_range_lines, n_frames, date, force, seed,
     **climate,
 ):  # fmt: skip
-    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
-    --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
-    Data_YYYYMMDD_SS_FFF.mat is written as a CReSIS L1B file, layers to CSARP_layer.
-    With --frames snow, time and position go on from frame to frame.
+    """Simulate a radar over annual layers of dry snow, or over a measured --profile, and write its
+    ECHOGRAM and layers.
+
+    An ECHOGRAM called NAME.nc is written as an Open Polar Radar dataset, its layers as
+    NAME_layers.nc beside it. Data_YYYYMMDD_SS_FFF.mat is written as a CReSIS L1B file, its layers
+    to the folder CSARP_layer. With --frames, snow, time and position continue from frame to frame.
 
     \b
     Examples:
@@ -409,24 +474,28 @@ def simulate(
     flight = {} if date is None else {"date": date}
     flight |= date_of_name(echogram, date)
     files = frame_files(echogram, n_frames)
-    echograms, beside = zip(*files, strict=True)
-    check_outputs([*echograms, *beside], force, ".nc", ".mat")
+    echogram_files, layer_files = zip(*files, strict=True)
+    check_outputs([*echogram_files, *layer_files], force, ".nc", ".mat")
     if profile is not None:
         refuse_options(context, climate, "of a climate, not of a --profile")
     radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
         snow = Climate(**climate) if profile is None else measured_snow(profile)
         n_all = n_frames * n_range_lines
-        seen, layers = simulate(snow, radar, n_range_lines=n_all, rng=seed, **flight)
+        simulated, layers = simulate(snow, radar, n_range_lines=n_all, rng=seed, **flight)
     for number, (path, path_to_layers) in enumerate(files):
         lines = slice(number * n_range_lines, (number + 1) * n_range_lines)
-        # Layers first: others may be named beside them.
+        # Layers come first: they are refused if the segment's layers have other names, and then no
+        # echogram must be left.
         write_frame(path_to_layers, layers.isel(slow_time=lines), path, number)
-        write_frame(path, seen.isel(slow_time=lines), path, number)
+        write_frame(path, simulated.isel(slow_time=lines), path, number)
 
 
 def date_of_name(path, date):
-    """The date that a file's name tells, as an argument of `simulate`; refused beside another."""
+    """Date in a file's name, as an argument of `simulate`; empty if the name has none.
+
+    UsageError if `date`, the one that the user asks for, is another.
+    """
     from snowsim.echogram import named_frame
 
     segment, _ = named_frame(path)
@@ -440,9 +509,10 @@ def date_of_name(path, date):
 
 
 def frame_files(path, n_frames):
-    """Echogram and layer file of consecutive frames.
+    """Pairs of the echogram file and the layer file of consecutive frames.
 
-    The number in a name goes on; another name gets one from 1 on, if there are several frames.
+    A frame number in the name counts on from frame to frame. A name without one is numbered from 1
+    on, if there are several frames.
     """
     from snowsim.echogram import FRAME_IN_NAME
 
@@ -464,9 +534,9 @@ def frame_files(path, n_frames):
 
 
 def write_frame(path, dataset, echogram, number):
-    """Write a frame's echogram or layers; segment and frame are those of the echogram's name.
+    """Write the echogram or the layers of a frame, with segment and frame of the echogram's name.
 
-    Where it tells none, the segment is the simulation's, and `number` counts frames from 0.
+    If the name has none, the segment is the simulation's; `number` counts its frames from 0.
     """
     from snowsim.echogram import named_frame
     from snowsim.io.files import write_dataset
@@ -483,19 +553,22 @@ def write_frame(path, dataset, echogram, number):
 
 
 def changes_of(radar, changes):
-    """Numbers, and the window, to change of a radar; refused by names that it has."""
+    """Settings of a radar to change, as a dict of numbers and the name of a window.
+
+    UsageError, with the names that exist, if a radar has no setting of a name.
+    """
     names = [field.name for field in dataclasses.fields(radar)]
-    found = {}
+    values = {}
     for name, text in changes:
         if name not in names:
             msg = f"--set: a radar has no {name}, but {', '.join(sorted(names))}"
             raise click.UsageError(msg)
-        found[name] = text if name == "window" else click.FLOAT(text)
-    return found
+        values[name] = text if name == "window" else click.FLOAT(text)
+    return values
 
 
 def refuse_options(context, names, reason):
-    """Refuse options that stand on the command line, with the reason."""
+    """UsageError, with the reason, if one of these options is on the command line."""
     for name in names:
         if context.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
             option = next(o.opts[0] for o in context.command.params if o.name == name)
@@ -504,7 +577,7 @@ def refuse_options(context, names, reason):
 
 
 def measured_snow(path):
-    """`Snowpack` of a profile's file; what was read of it is shown."""
+    """`Snowpack` of the profile in a file; prints the note on the profile."""
     from snowsim.io.profiles import read_profile
     from snowsim.snowpack import Snowpack
 
@@ -521,7 +594,7 @@ def measured_snow(path):
 
 @contextmanager
 def echo_warnings():
-    """Show each warning once, in one line on stderr."""
+    """Context that prints each of its warnings once, in one line on stderr."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
         yield
@@ -530,9 +603,10 @@ def echo_warnings():
 
 
 def check_outputs(paths, force, *endings):
-    """Refuse a first file of another ending or in no folder, and any, unless by force, over others.
+    """UsageError if files cannot be written: the first that the user named, and others beside it.
 
-    Names of further files are made of the first.
+    The first must have one of `endings` and lie in a folder that exists. No file may exist, unless
+    `force` is true.
     """
     for path in paths:
         problem = None
@@ -547,26 +621,35 @@ def check_outputs(paths, force, *endings):
             raise click.UsageError(msg)
 
 
-@commands.command(short_help="Layers of echograms, without any annotation.", context_settings=SHOWN)
+@commands.command(short_help="Pick the layers of echograms.", context_settings=SHOW_DEFAULTS)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o",
     "--output",
     "folder",
-    type=click.Path(file_okay=False),  # as text: a path of no name would be the folder one is in
+    # As text: an empty name would become the path of the present folder.
+    type=click.Path(file_okay=False),
     required=True,
-    help="Folder of the layers.",
+    help="Folder to write the layers to.",
 )
-@click.option("--model", default="universal", help="A tracker that is shipped, or its ONNX file.")
-@click.option("--png", is_flag=True, help="Draw the picks on every echogram, too.")
-@click.option("--bin-s", type=POSITIVE, help="Range bin of images [s], two-way; they tell none.")
-@over_option
+@click.option(
+    "--model",
+    default="universal",
+    help="Tracker: the name of one that comes with the package, or an ONNX file of snowsim train.",
+)
+@click.option("--png", is_flag=True, help="Also write a picture of every echogram with its picks.")
+@click.option(
+    "--bin-s",
+    type=POSITIVE,
+    help="Length of a range bin [s], two-way; needed for images only.",
+)
+@force_files_option
 def track(files, folder, **options):
-    """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker: layer
-    files as CReSIS has them, CSARP_layer/SEGMENT, and NAME_layers.nc with each pick's confidence.
+    """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker.
 
-    Frames of a segment that follow one another are tracked as one. The tracker was trained on
-    synthetic scenes only.
+    For each file, CReSIS layer files are written to CSARP_layer/SEGMENT, and NAME_layers.nc holds
+    the layers with the confidence of each pick. Consecutive frames of a segment are tracked as one.
+    The tracker was trained on synthetic scenes only.
 
     \b
     Examples:
@@ -575,15 +658,15 @@ def track(files, folder, **options):
     """  # noqa: D205, D301
     from snowsim.tracking import track_files
 
-    def say(line):
+    def echo_line(line):
         click.echo(line, err=line.startswith("error: "))
 
-    if track_files(files, folder, say=say, **options):
+    if track_files(files, folder, say=echo_line, **options):
         sys.exit(1)
 
 
 @commands.command(
-    short_help="Depth, age and accumulation of tracked layers.", context_settings=SHOWN
+    short_help="Date tracked layers, and compute accumulation.", context_settings=SHOW_DEFAULTS
 )
 @click.argument("files", nargs=-1, required=True, type=EXISTING)
 @click.option(
@@ -592,36 +675,39 @@ def track(files, folder, **options):
     "path",
     required=True,
     type=FILE,
-    help="NAME.csv, NAME.nc or, with snowsim[gis], NAME.gpkg; NAME_years.csv is written beside it.",
+    help="File of the results: NAME.csv, NAME.nc or, with snowsim[gis], NAME.gpkg; means by year "
+    "are written to NAME_years.csv beside it.",
 )
 @click.option(
     "--density",
-    help="Of the snow at every depth [kg m-3], or the file of a measured profile; by default it "
-    "grows with depth, from 340.",
+    help="Density of the snow [kg m-3], or the file of a measured profile; by default, density "
+    "grows with depth from 340.",
 )
 @click.option(
     "--temperature-k",
     type=float,
-    help="Annual mean of firn, whose density grows with depth; in Greenland known by position.",
+    help="Annual mean temperature of the firn [K]; density then grows with depth. By default, in "
+    "Greenland, that of the position.",
 )
 @click.option(
     "--year",
     "years",
     multiple=True,
-    help="Of the first layer that is used, 2011, or of a layer, snow_3=2008; may be repeated. By "
-    "default years are counted from the last autumn before the flight.",
+    help="Year of the first layer below the surface that is used (2011), or of a named layer "
+    "(snow_3=2008, may be repeated). By default, years are counted from the last autumn before the "
+    "flight.",
 )
 @click.option(
     "--annual/--count",
     default=None,
-    help="Every layer is one year, or years are counted; by default annual where no pick has a "
-    "confidence, as a person's.",
+    help="Take every layer for one year, or count years. By default, years are counted if picks "
+    "have a confidence, and every layer is a year if not, as after picking by hand.",
 )
 @click.option(
     "--expected",
     "expected_m",
     type=float,
-    help="Accumulation that is known of the place [m w.e. a year]; by default layers alone count.",
+    help="Known accumulation of the place [m w.e. / yr]; by default, only the layers are used.",
 )
 @click.option(
     "--expected-error",
@@ -629,27 +715,33 @@ def track(files, folder, **options):
     default=0.3,
     help="Relative standard deviation of --expected.",
 )
-@click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
+@click.option("--png", is_flag=True, help="Also draw layers and accumulation, as NAME.png.")
 @click.option(
-    "--echogram", "echograms", type=EXISTING, multiple=True, help="Of the frames, for the picture."
+    "--echogram",
+    "echograms",
+    type=EXISTING,
+    multiple=True,
+    help="Echogram of a frame, drawn behind the layers in the picture; may be repeated.",
 )
-@over_option
+@force_files_option
 def accumulation(files, path, density, years, png, echograms, force, **settings):
-    """Tell depth, age and accumulation of the layers in FILES, frames of one segment as snowsim
-    track writes them (NAME_layers.nc) or as people picked them: a row for each range line and year.
+    """Compute depth, age and accumulation from the layers in FILES.
+
+    FILES are the layer files of the frames of one segment, which `snowsim track` wrote
+    (NAME_layers.nc) or people picked. The result has a row for each range line and year.
 
     \b
-    Columns of the CSV; NetCDF has them on (year, slow_time), GeoPackage their means over 500 m:
-      year               of a horizon; the snow of that year lies below it
-      depth_m            of that horizon, the upper end of the year's snow
-      thickness_m        of the year's snow
-      accumulation_m_we  metres of water a year
-      low, high          limits that hold it in nine of ten cases
-      year_confidence    probability that year is right, with all doubt above
-      age_low, age_high  limits of the years since then in nine of ten cases, 0 the last autumn
-      n_years            between the picks that bound it; values are means over them
+    Columns of the CSV; NetCDF has them on (year, slow_time), GeoPackage has means over 500 m:
+      year               autumn of a horizon; the snow of that year lies below it
+      depth_m            depth of that horizon, the upper end of the year's snow [m]
+      thickness_m        thickness of the year's snow [m]
+      accumulation_m_we  accumulation of the year [m w.e. / yr]
+      low, high          limits of accumulation, which hold it in nine of ten cases
+      year_confidence    probability that the year is right, with all doubt in layers above
+      age_low, age_high  limits of the horizon's age in nine of ten cases [years]; 0: last autumn
+      n_years            number of years between two picks, over which values are means
       flag               1 where year_confidence is below .8, else 0
-      open_m_we          snow above the horizon of the last autumn
+      open_m_we          snow above the horizon of the last autumn [m w.e.]
 
     \b
     Examples:
@@ -665,8 +757,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
 
     picture = path.with_suffix(".png")
     path_by_year = path.with_name(f"{path.stem}_years.csv")
-    paths = [path, path_by_year, picture] if png else [path, path_by_year]
-    check_outputs(paths, force, ".csv", ".nc", ".gpkg")
+    outputs = [path, path_by_year, picture] if png else [path, path_by_year]
+    check_outputs(outputs, force, ".csv", ".nc", ".gpkg")
     with echo_warnings():
         layers = open_segment(files)
         found = accumulation(layers, density_of(density), year=year_of(years), **settings)
@@ -682,8 +774,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     echo_accumulation(path, len(rows), found, settings["temperature_k"])
     if settings["annual"] is None and "confidence" not in layers:
         click.echo(
-            "every layer is taken for a year, as a person's; --count counts years (of track's "
-            "picks, NAME_layers.nc has the confidence)"
+            "every layer is taken for a year, because picks without a confidence are a person's; "
+            "--count counts years (the picks of snowsim track have a confidence in NAME_layers.nc)"
         )
     if png:
         write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
@@ -691,14 +783,14 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
 
 
 def echo_accumulation(path, n_rows, found, temperature_k):
-    """Show what was found, what was left out, and the density that was taken."""
-    told = f"{n_rows} rows of {found.sizes['year']} years; uppermost horizon "
-    told += found.attrs["uppermost"]
+    """Print the number of rows and years, the picks that were left out, and the density used."""
+    summary = f"{n_rows} rows of {found.sizes['year']} years; uppermost horizon "
+    summary += found.attrs["uppermost"]
     if found.attrs["no_horizon"]:
-        told += f"; left out as no horizons: {found.attrs['no_horizon']}"
+        summary += f"; left out as no horizons: {found.attrs['no_horizon']}"
     if found.attrs["n_below_profile"]:
-        told += f"; {found.attrs['n_below_profile']} picks below the end of the density left out"
-    click.echo(f"{path}: {told}")
+        summary += f"; {found.attrs['n_below_profile']} picks below the end of the density left out"
+    click.echo(f"{path}: {summary}")
     click.echo(found.attrs["surety"])
     if "temperature_k" in found.attrs:
         place = " of the place, by Fausto et al. (2009)" * (temperature_k is None)
@@ -709,7 +801,7 @@ def echo_accumulation(path, n_rows, found, temperature_k):
 
 
 def density_of(text):
-    """Density that an option states [kg m-3], or the profile in the file of that name, or None."""
+    """Density of --density: a number [kg m-3], the profile in the file of that name, or None."""
     from snowsim.io.profiles import read_profile
 
     try:
@@ -721,7 +813,7 @@ def density_of(text):
 
 
 def year_of(texts):
-    """Year of the first horizon, or of layers by name, as an option tells them; None if none."""
+    """Year of the first horizon, or years of layers by name, from the texts of --year, or None."""
     if not texts:
         return None
     if len(texts) == 1 and "=" not in texts[0]:
@@ -735,12 +827,12 @@ def year_of(texts):
 
 
 def echo_counts(counts):
-    """Show how many of what were written."""
+    """Print counts by their names, in one line."""
     click.echo(", ".join(f"{name} {count}" for name, count in counts.items()))
 
 
 def main(arguments=None):
-    """Run a command; where it fails, one line on stderr and its exit code."""
+    """Run a command. If it fails, print one line on stderr and exit with its code."""
     try:
         commands.main(arguments, prog_name="snowsim", standalone_mode=False)
         sys.stdout.flush()
@@ -761,6 +853,8 @@ def main(arguments=None):
         click.echo(f"error: {one_line(message)}", err=True)
         try:
             sys.stdout.flush()
-        except OSError:  # a full disk: not to be tried again, and complained of, while Python ends
+        except (
+            OSError
+        ):  # The disk is full: keep Python from writing, and failing, again at its end.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(code)
