@@ -1,11 +1,11 @@
-"""Simulation of airborne Snow Radar echograms, and what it does for tracking annual snow layers."""
+"""Simulation of airborne Snow Radar echograms, to train and score trackers of annual layers."""
 
 import lazy_loader
 
 __version__ = "0.5.0"
 
-# What people script with, by the module it is in; loaded when asked for, so that importing the
-# package imports nothing.
+# Names for scripts, by the module that defines them. A module is loaded when one of its names is
+# first used, so that `import snowsim` imports no stage.
 FRONT = {
     "front": ["scenes"],
     "scoring": ["score_folders"],

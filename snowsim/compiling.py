@@ -1,4 +1,4 @@
-"""Functions compiled by numba, whose machine code is kept on disk where that can be."""
+"""Compilation by numba, with the machine code kept on disk if possible."""
 
 import numba
 
@@ -6,11 +6,11 @@ import numba
 def compiled(**options):
     """Decorator that compiles a function with numba's `options` and keeps the result on disk.
 
-    Where neither the package's folder nor a cache of the user can be written to, as in a container
-    run by a user without a home, every process compiles anew.
+    Every process compiles anew if neither the package's folder nor the user's cache is writable,
+    for example in a container whose user has no home.
     """
 
-    def decorate(function):
+    def compile_function(function):
         try:
             return numba.njit(cache=True, **options)(function)
         except RuntimeError as error:
@@ -18,4 +18,4 @@ def compiled(**options):
                 raise
             return numba.njit(**options)(function)
 
-    return decorate
+    return compile_function

@@ -1,4 +1,4 @@
-"""Checks of arguments, made where the public interface takes them."""
+"""Checks of arguments, made where they enter the public interface."""
 
 from numbers import Integral
 
@@ -10,7 +10,7 @@ from snowsim.constants import STATISTICS_CONTENT
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
     """Raise ValueError, with the first bad value, unless all are finite and within limits.
 
-    With `above` values must be greater than `low`; with `number` there must be a single number.
+    With `above`, values must be greater than `low`. With `number`, there must be one number only.
     """
     values = np.asarray(values)
     if number and values.ndim:
@@ -43,7 +43,7 @@ def check_count(name, value, least=1):
 
 
 def check_content(dataset, content, remedy, where):
-    """Raise ValueError, naming `where` and the remedy, unless a dataset is of this version."""
+    """Raise ValueError, naming `where` and the remedy, unless a dataset has this `content`."""
     found = dataset.attrs.get("content", "none")
     if found != content:
         msg = f"{where}: content must be '{content}', got '{found}': {remedy}"

@@ -1,8 +1,8 @@
-"""Random streams and rounded numbers that depend on no order of work and no processor.
+"""Random streams and rounded numbers that do not depend on the order of work or the processor.
 
 Every purpose has a random generator of its own, named by keys, never by its position in a batch.
-Sums of products, logarithms and powers differ in their last bits between kinds of x86-64 processor.
-Numbers that a file keeps are rounded, so that nothing that follows from them differs.
+Sums of products, logarithms and powers differ in their last bits between x86-64 processors.
+Numbers that are written to files are therefore rounded, and later steps get equal input.
 """
 
 import hashlib
@@ -11,25 +11,26 @@ import numpy as np
 
 
 def seed_entropy(seed, *keys):
-    """Entropy of 128 bits, as an int, from `seed`, every key and their order alone.
+    """Entropy of 128 bits, as an int, which depends only on `seed`, the keys and their order.
 
-    Keys count by their text, so that ``1`` and ``"1"`` name the same stream.
+    Keys are compared as text, so that ``1`` and ``"1"`` name the same stream.
     """
     text = "\x1f".join(str(part) for part in (seed, *keys))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:16], "little")
 
 
 def random_stream(seed, *keys):
-    """Random generator of NumPy for one purpose of a run, named by keys, most general first.
+    """NumPy random generator for one purpose of a run, which keys name, most general first.
 
     An example is ``random_stream(seed, "render_phy", scene)``. The generator is PCG64, seeded by
-    `seed_entropy`. Streams are independent of each other, and of the order and division of work.
+    `seed_entropy`. Streams are independent of each other. They do not depend on the order of work,
+    or on its division among processes.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))
 
 
 def generator(rng):
-    """Generator `rng`, or a new one if that is a seed; ValueError for anything else."""
+    """The generator `rng` itself, or a new one if `rng` is a seed; else ValueError."""
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):

@@ -13,7 +13,7 @@ from snowsim.limits import check_count, check_values
 
 
 def setting(default, about, **limits):
-    """A setting with its default, `[unit] meaning, source`, and its limits.
+    """Field of a setting: its default, its text `[unit] meaning, source`, and its limits.
 
     Limits of a number are those of `check_values`; those of a word are its `choices`.
     """
@@ -21,10 +21,10 @@ def setting(default, about, **limits):
 
 
 class Checked:
-    """Base of dataclasses of settings, which are checked when they are made.
+    """Base of dataclasses of settings that are checked when an instance is made.
 
-    ValueError, naming the setting in its `group`, unless each has the right type and is within its
-    limits.
+    ValueError, naming `group` and the setting, unless each value has the type of its field and is
+    within its limits.
     """
 
     group = ""
@@ -35,7 +35,7 @@ class Checked:
 
 
 def _check(name, value, each):
-    """Refuse a value that has another type than a field, or is not within its limits."""
+    """ValueError unless a value has the type of its field and is within the limits of the field."""
     limits = each.metadata["limits"]
     kinds = get_args(each.type) or (each.type,)
     if value is None and NoneType in kinds:
@@ -60,51 +60,60 @@ def _check(name, value, each):
 
 @dataclass(frozen=True)
 class PhySettings(Checked):
-    """Setting of PHY beside the choice of recipe, as measured in the flight or as printed."""
+    """Settings of PHY, apart from its recipe, which is either `measured` or `paper`."""
 
     n_looks: float | None = setting(
         16,
-        "[looks] as in the benchmark (benchmark.n_looks); paper: 100; null: as in the flight",
+        "[looks] averaged in a pixel, as in the benchmark (benchmark.n_looks); paper: 100; null: "
+        "as in the flight",
         low=1,
     )
 
 
-# The paper's section III averages 100 input lines to one line of its image. Here these lie within
-# its 5.2 m, over which layers move by 0.2 bins: that would widen a variance of 10 by 0.003.
+# In section III of the paper, 100 input lines are averaged to one line of the image. Here these
+# input lines lie within the 5.2 m of an image line. Over this distance layers move by 0.2 bins,
+# which would widen a waveform of variance 10 by 0.003; this is neglected.
 PHY = {"measured": PhySettings(), "paper": PhySettings(n_looks=100)}
 
 
 @dataclass(frozen=True)
 class CganSettings(Checked):
-    """Networks and training of the conditional GAN; pix2pix is that of Isola et al. (2017)."""
+    """Networks and training of the conditional GAN; pix2pix follows Isola et al. (2017)."""
 
     method: str = setting(
         "measured",
-        "networks know depths and how bright PHY expects layers and snow; pix2pix: the mask alone, "
-        "paper",
+        "measured: the networks see the depths of layers and the brightness that PHY expects of "
+        "layers and snow; pix2pix: they see the mask alone, as in the paper",
         choices=("measured", "pix2pix"),
     )
-    width: int = setting(16, "[channels] of the outermost stage; paper scale 64", low=1)
-    depth: int = setting(5, "[halvings] of the generator; pix2pix: 8", low=2, high=10)
-    n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", low=1)
+    width: int = setting(16, "[channels] of the outermost stage; config/paper.yaml: 64", low=1)
+    depth: int = setting(5, "[halvings] of the image in the generator; pix2pix: 8", low=2, high=10)
+    n_steps: int = setting(
+        2000, "[gradient steps] of the whole training; config/paper.yaml: 200 epochs", low=1
+    )
     n_range_bins: int | None = setting(
         256,
-        "[range bins] of a random crop; null: whole scenes; pix2pix: 256 of scenes resized to 286",
+        "[range bins] height of a random crop; null: whole scenes; pix2pix: 256, cut from scenes "
+        "resized to 286",
         low=32,
     )
     n_range_lines: int | None = setting(
-        192, "[range lines] of a random crop; null: whole scenes; pix2pix: 256 of 286", low=32
+        192,
+        "[range lines] width of a random crop; null: whole scenes; pix2pix: 256, cut from scenes "
+        "resized to 286",
+        low=32,
     )
     learning_rate: float = setting(
         0.0005,
-        "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4, constant",
+        "of Adam; constant for half of the steps, then falls linearly to zero; pix2pix: 2e-4, "
+        "constant",
         low=0,
         above=True,
     )
     precision: str = setting(
         "bfloat16",
-        "of the arithmetic; weights are float32 in both. bfloat16: float32 on a processor without "
-        "AVX-512, where that is ten times faster",
+        "precision of the arithmetic; weights are always float32. A processor without AVX-512 "
+        "computes bfloat16 in float32, which is ten times faster there",
         choices=("float32", "bfloat16"),
     )
 
@@ -141,9 +150,9 @@ class TrackerSettings(Checked):
 
     network: str = setting(
         "multi_scale",
-        "multi_scale: network of the tracker paper, small recipe; pyramid: one whose fine stages "
-        "also see coarse ones; published: multi_scale with copies of scenes, loss and updates as "
-        "in its code",
+        "multi_scale: network of the tracker paper, trained by the small recipe; pyramid: network "
+        "whose fine stages also see coarse ones; published: multi_scale, with the scene copies, "
+        "loss and updates of the published code",
         choices=("multi_scale", "pyramid", "published"),
     )
     width: int = setting(4, "[channels] of the first stage; tracker paper: 64", low=1)
@@ -156,18 +165,20 @@ class TrackerSettings(Checked):
     n_steps: int = setting(1000, "[gradients] of the whole training", low=1)
     batch_size: int = setting(4, "[patches] of one gradient", low=1)
     n_range_bins: int | None = setting(
-        192, "[range bins] of a random crop; null: whole images", low=32
+        192, "[range bins] height of a random crop; null: whole images", low=32
     )
     n_range_lines: int | None = setting(
-        128, "[range lines] of a random crop; null: whole images", low=32
+        128, "[range lines] width of a random crop; null: whole images", low=32
     )
     flip: bool = setting(True, "also show images mirrored left to right")
-    learning_rate: float = setting(0.001, "largest rate of the schedule", low=0, above=True)
+    learning_rate: float = setting(
+        0.001, "largest learning rate of the schedule", low=0, above=True
+    )
     weight_decay: float = setting(0.01, "weight decay of the optimiser", low=0)
     layer_share: float | None = setting(
         0.03,
-        "[1] share of layer pixels by which the loss balances layers and background; null: each "
-        "image's own, as published",
+        "[1] share of layer pixels by which the loss balances layers and background; null: the "
+        "share in each image, as published",
         low=0,
         above=True,
         high=0.999,
@@ -180,19 +191,21 @@ class TrackerSettings(Checked):
     )
     scales: tuple = setting(
         (1.0, 0.75, 0.5, 0.25),
-        "published: relative sizes in which an epoch shows every image",
+        "published: relative sizes at which an epoch shows every image",
         low=0,
         above=True,
         high=1,
     )
-    n_accumulated: int = setting(10, "published: [gradients] per update", low=1)
+    n_accumulated: int = setting(
+        10, "published: [gradients] added up for one update of the weights", low=1
+    )
     n_steps_per_tenth: int = setting(
-        10000, "published: [updates] after which the rate falls to a tenth", low=1
+        10000, "published: [updates] after which the learning rate falls to a tenth", low=1
     )
     n_epochs_per_tenth: int | None = setting(
         None,
-        "published: [epochs] after which the rate falls to a tenth, in place of "
-        "n_steps_per_tenth; code of 2020: 3",
+        "published: [epochs] after which the learning rate falls to a tenth, in place of "
+        "n_steps_per_tenth; published code of 2020: 3",
         low=1,
     )
 
@@ -202,7 +215,7 @@ class TrackerSettings(Checked):
 
     @property
     def n_copies(self):
-        """Number of times that an epoch shows an image."""
+        """Number of times that an epoch shows each image."""
         return len(self.scales) + self.flip if self.network == "published" else 1
 
 
