@@ -20,21 +20,21 @@ from snowsim.progress import with_progress
 from snowsim.seeding import generator, random_stream
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
-# Notes of a scene: pixels of layers below its last range bin, and all that were drawn.
+# Notes of a scene: number of layer pixels below its last range bin, and of all layer pixels.
 CUT = ("n_pixels_cut", "n_pixels_drawn")
 
 
 @dataclass(frozen=True)
 class _Recipe:
-    """Settings by which each scene of `Scenes` is made."""
+    """Settings from which each scene of `Scenes` is drawn and rendered."""
 
-    draw: Callable  # draw(name=, rng=) is a scene that is not rendered yet
+    draw: Callable  # draw(name=, rng=) returns a scene without an image
     n_range_lines: int
-    n_looks: float | None  # None: those of the flight, or of the paper
+    n_looks: float | None  # None: that of the flight, or of the paper
     seed: int
     n_range_bins: int | None  # None: as many as the layers of each scene need
     renderer: Callable | None  # None: PHY
-    options: dict  # of `snowsim.phy.render_scene`
+    options: dict  # options of `snowsim.phy.render_scene`
     spacing: dict  # range bin [s] and line spacing [m] of the flight
 
 
@@ -42,11 +42,11 @@ class Scenes(Sequence):
     """Sequence of scenes, drawn and rendered on request: image and mask (range_bin, range_line).
 
     Both are uint8. The mask has all layers, even those too faint to be seen. The image also has
-    echoes below the deepest layer, which the mask lacks.
+    echoes below the deepest layer, which are not in the mask. A slice is another `Scenes`.
 
-    A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
-    them, `n_pixels_cut` of all `n_pixels_drawn`; `write` warns of their sum over all scenes,
-    `count_cut` gives it. Notes hold `bin_size_s` and `line_spacing_m`, too.
+    Notes of a `scene` hold `bin_size_s`, `line_spacing_m`, `n_pixels_drawn`, the number of its
+    layer pixels, and `n_pixels_cut`, the number of those below `n_range_bins`, which are cut off.
+    `count_cut` adds up both numbers over all scenes, and `write` warns if pixels are cut off.
     """
 
     def __init__(self, indices, recipe):
@@ -69,8 +69,8 @@ class Scenes(Sequence):
         return scene.image, scene.mask().astype(np.uint8)
 
     def scene(self, index):
-        """`snowsim.echogram.Scene` of the same, with its layers and notes."""
-        scene = self._with_image(index)
+        """Scene of this number, a `snowsim.echogram.Scene` with image, layers and notes."""
+        scene = self._render_scene(index)
         if scene.notes.get("n_pixels_cut") and not self._warned:
             self._warned = True
             msg = (
@@ -81,20 +81,21 @@ class Scenes(Sequence):
         return scene
 
     def count_cut(self):
-        """Number of pixels of layers that all scenes lose to `n_range_bins`, and of all drawn."""
-        drawn = [self._drawn(index)[0] for index in range(len(self))]
-        return tuple(sum(scene.notes.get(name, 0) for scene in drawn) for name in CUT)
+        """Numbers of layer pixels, over all scenes, that `n_range_bins` cuts off, and in total."""
+        notes = [self._draw_scene(index)[0].notes for index in range(len(self))]
+        return tuple(sum(each.get(name, 0) for each in notes) for name in CUT)
 
-    def _with_image(self, index):
-        scene, rng = self._drawn(index)
+    def _render_scene(self, index):
+        """Scene of this number with its image."""
+        scene, rng = self._draw_scene(index)
         if self._recipe.renderer is None:
             rendered = render_scene(scene, rng=rng, **self._recipe.options)
         else:
             rendered = rendered_by(scene, self._recipe.renderer)
         return dataclasses.replace(rendered, complete_layer_bins=scene.layer_bins)
 
-    def _drawn(self, index):
-        """A scene without an image, as high as asked for, and its random stream."""
+    def _draw_scene(self, index):
+        """Scene of this number without an image, of the height asked for, and its random stream."""
         recipe = self._recipe
         number = self._indices[index]
         rng = random_stream(recipe.seed, "scenes", number)
@@ -114,21 +115,21 @@ class Scenes(Sequence):
         """Write all scenes, or those of `indices`, to a folder as image pairs.
 
         Returns the counts of `snowsim.io.pairs.export_pairs`, which describes the layout. A folder
-        that is not empty is refused, unless by `force`: then files of the same name are replaced
-        and others stay.
+        that is not empty is refused. With `force` it is accepted: files of the same name are
+        replaced, other files stay.
         """
         if not force:
             check_empty(folder)
         indices = with_progress(range(len(self)) if indices is None else indices, unit="scene")
         counts = []
 
-        def counted():
+        def render_and_count():
             for index in indices:
-                scene = self._with_image(index)
+                scene = self._render_scene(index)
                 counts.append([scene.notes[name] for name in CUT])
                 yield scene
 
-        written = export_pairs(folder, counted())
+        written = export_pairs(folder, render_and_count())
         n_cut, n_drawn = np.sum(counts, axis=0)
         if n_cut:
             n_scenes = sum(n > 0 for n, _ in counts)
@@ -141,9 +142,9 @@ class Scenes(Sequence):
 
 
 def rendered_by(scene, renderer):
-    """The scene as someone's own renderer draws it: uint8 is grey levels, floats are linear power.
+    """The scene with an image by a user's renderer: uint8 are grey levels, floats linear power.
 
-    ValueError for other types, and for floats that no power has.
+    ValueError if the image has another type or shape, or floats that cannot be linear power.
     """
     image = np.asarray(renderer(scene))
     shape = (scene.n_range_bins, scene.n_range_lines)
@@ -159,7 +160,10 @@ def rendered_by(scene, renderer):
 
 
 def _check_power(image, name):
-    """Refuse what is no linear power: other types, negative, missing or infinite values, greys."""
+    """ValueError if an image cannot be linear power.
+
+    It has another type, values that are not above 0 or not finite, or grey levels.
+    """
     found = None
     if image.dtype.kind != "f":
         found = f"type {image.dtype}"
@@ -198,21 +202,22 @@ def scenes(
         Statistics of a flight, from `snowsim.statistics`. By default those of the synthetic
         reference flight, which come with the package.
     renderer : "phy" or callable, optional
-        PHY, or any function of a `snowsim.echogram.Scene` with its layers and echoes: it gives
-        (range_bin, range_line) of uint8, grey levels, or of floats, linear power above 0. What it
-        draws should come from
+        PHY, or a function that receives a `snowsim.echogram.Scene` with its layers and echoes. It
+        returns an image (range_bin, range_line), either grey levels as uint8 or linear power above
+        0 as floats. Its random numbers should come from
         ``snowsim.seeding.random_stream(seed, scene.name)``.
     rng : int or numpy.random.Generator
-        Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
-        any `n`.
+        Seed of all scenes. Each scene has its own random stream, so scene 7 is the same in any
+        order and for any `n`.
     n_range_lines, n_range_bins : int, optional
-        Size of all images. By default each image is as high as its layers require, so that heights
+        Size of all images. By default, each image is as high as its layers require, so heights
         differ. Layers below `n_range_bins` are cut off, see `Scenes`.
     recipe : {"measured", "paper"}, optional
-        Layers as measured in the flight, or drawn as Yari et al. (2021) print, which needs
-        statistics of the estimator `paper`; see `snowsim.labels`.
+        "measured" draws layers as they were measured in the flight. "paper" draws them by the
+        equations of Yari et al. (2021), and needs statistics of the estimator `paper`. See
+        `snowsim.labels`.
     n_looks : float or None, optional
-        Number of looks that are averaged in a pixel; None: as in the flight, or as printed.
+        Number of looks averaged in a pixel; None: that of the flight, or of the paper.
     exact : bool, optional
         See `snowsim.phy.render`.
 
@@ -223,8 +228,8 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is unknown, statistics lack what scenes are drawn from, or a renderer gives no
-        image of a scene: another shape or type, or floats that no power has.
+        If a choice is unknown, if statistics lack a variable that scenes are drawn from, or if a
+        renderer returns an image of another shape or type, or floats that cannot be power.
 
     Examples
     --------
@@ -260,5 +265,5 @@ def scenes(
     seed = int(generator(rng).integers(2**63))
     own = renderer if callable(renderer) else None
     spacing = {name: float(statistics.attrs[name]) for name in SPACING}
-    made = _Recipe(draw, n_range_lines, n_looks, seed, n_range_bins, own, options, spacing)
-    return Scenes(range(n), made)
+    settings = _Recipe(draw, n_range_lines, n_looks, seed, n_range_bins, own, options, spacing)
+    return Scenes(range(n), settings)

@@ -1,4 +1,4 @@
-"""Training of a tracker on own scenes, for the command `snowsim train`; needs torch."""
+"""Training of a tracker on a user's scenes, for the command `snowsim train`; needs torch."""
 
 import warnings
 from pathlib import Path
@@ -46,8 +46,8 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     path : path_like
         Ends in ``.onnx``.
     sets : sequence of sequence of Scene
-        Scenes with images. Every tenth, and at least one, is held out to calibrate the tracker;
-        in these, layers without annotation count as background.
+        Scenes with images. Every tenth, and at least one, is held out to calibrate the tracker.
+        In a held-out scene, layers without annotation count as background.
     start : str, optional
         Tracker whose weights the training starts from: the name of one that comes with the package,
         or a file that this function wrote. By default weights start at random.
@@ -55,18 +55,19 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
         Number of training steps, each with the gradient of four crops.
     seed : int
     bin_s : float or None
-        Range bin of the scenes [s], for the card. If None, the one in the notes of the
-        scenes, or `BIN_S` where these have none.
+        Length of a range bin of the scenes [s], for the card. If None, it is taken from the
+        notes of the scenes; if they do not hold it, it is `BIN_S`.
     line_spacing_m : float or None
-        Distance between range lines of the scenes [m], for the card; if None, the same holds.
+        Distance between range lines of the scenes [m], for the card. If None, it is taken from the
+        notes of the scenes; if they do not hold it, it is `LINE_SPACING_M`.
     device : str
-        Where to train, `cpu` or `cuda`.
+        Device to train on, `cpu` or `cuda`.
 
     Returns
     -------
     dict
-        The card. Its `held_out` has `n_scenes`, the number of held-out scenes. If these are ten
-        or more, it also has the `ods` of the fused output and the ends, `low` and `high`, of its
+        The card. Its `held_out` holds `n_scenes`, the number of held-out scenes. With ten scenes
+        or more, it also holds the `ods` of the fused output, and `low` and `high`, the ends of its
         95 % interval by bootstrap over scenes.
 
     Raises
@@ -77,7 +78,7 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     """
     check_device(device)
     scenes = ConcatDataset(sets)
-    check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
+    check_count("number of scenes, one for the calibration,", len(scenes), 2)
     bin_s = _spacing(scenes, "bin_size_s", bin_s, BIN_S)
     line_spacing_m = _spacing(scenes, "line_spacing_m", line_spacing_m, LINE_SPACING_M)
     for name, value in (("bin_s", bin_s), ("line_spacing_m", line_spacing_m)):
@@ -121,7 +122,7 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
 
 
 def held_out_score(probability, scenes):
-    """Number of held-out scenes and, if they are enough, ODS of their maps with its interval."""
+    """Number of held-out scenes and, for ten or more, the ODS of their maps with its interval."""
     result = {"n_scenes": len(scenes)}
     if len(scenes) < LEAST_SCORED:
         return result
@@ -134,7 +135,10 @@ def held_out_score(probability, scenes):
 
 
 def _spacing(scenes, name, given, usual):
-    """A spacing as given, else in notes of scenes, else the usual; ValueError if two differ."""
+    """Spacing of scenes: the given one, else that in their notes, else the usual, with a warning.
+
+    ValueError if two spacings differ.
+    """
     what, unit = SPACINGS[name]
     found = given
     for scene in scenes:
@@ -149,12 +153,13 @@ def _spacing(scenes, name, given, usual):
             )
             raise ValueError(msg)
     if found is None:
-        warnings.warn(f"scenes tell no {what}: of {usual:.4g} {unit} assumed", stacklevel=3)
+        msg = f"scenes do not state the spacing of their {what}: {usual:.4g} {unit} assumed"
+        warnings.warn(msg, stacklevel=3)
     return found or usual
 
 
 def network_of_tracker(name):
-    """Network and card of a tracker, given its name in the package or its file."""
+    """Network and card of a tracker, by its name in the package or the path of its file."""
     shipped = shipped_trackers()
     path = Path(shipped.get(name, name))
     if not path.is_file():

@@ -1,4 +1,4 @@
-"""Inputs of networks from scenes: crops at full resolution, whole copies, and values as tensors."""
+"""Network inputs from scenes: random crops, copies of whole scenes, and grey levels as tensors."""
 
 from functools import lru_cache
 
@@ -10,7 +10,7 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """Raise ValueError unless a scene has an image with contrast and, unless `empty`, a layer."""
+    """Raise ValueError unless a scene has an image with contrast, and a layer if not `empty`."""
     image = np.empty(0) if scene.image is None else scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
     is_image = image.shape == shape and image.dtype == np.uint8 and image.min() < image.max()
@@ -24,11 +24,11 @@ def check_trainable(scene, *, empty=False):
 
 
 def draw_index(n, position, seed, *keys):
-    """Number of the item, out of `n`, that is drawn at `position`.
+    """Number, from 0 to ``n - 1``, of the item at `position` of an endless random sequence.
 
-    Every item comes once, in random order, before any comes again. `keys` say what is drawn, as for
-    `random_stream`. The result depends on the arguments alone, so that a training that resumes at a
-    position needs no saved sampler.
+    Every item appears once, in random order, before any appears again. `keys` name the sequence, as
+    for `random_stream`. The result depends on the arguments alone, so a training that resumes at
+    some position needs no saved sampler.
     """
     times_through, place = divmod(position, n)
     return int(_order(n, seed, *keys, times_through)[place])
@@ -40,12 +40,13 @@ def _order(n, seed, *keys):
 
 
 def whole_copy(scene, scale, mirrored):
-    """Image (uint8) and mask (bool) of a whole scene, both resized or mirrored left to right.
+    """Image (uint8) and mask (bool) of a whole scene, resized by `scale`, and mirrored if asked.
 
-    They are resized as the published tracker code does with OpenCV: sizes are truncated, values are
-    interpolated between the nearest two by two pixels without averaging (within a grey level of
-    OpenCV's integers), and the mask is true where its values are above zero. ValueError unless
-    `check_trainable` passes the scene, with or without layers.
+    Mirroring swaps left and right. Resizing follows the published tracker code, which uses OpenCV.
+    Sizes are truncated. Values are interpolated between the nearest two by two pixels without
+    averaging, within a grey level of OpenCV's integers. The mask is true where its resized values
+    are above zero. ValueError if `check_trainable` refuses the scene; a scene without layers is
+    accepted.
     """
     check_trainable(scene, empty=True)
     both = np.stack([scene.image, np.uint8(255) * scene.mask()])
@@ -53,7 +54,7 @@ def whole_copy(scene, scale, mirrored):
         size = [int(n * scale) for n in both.shape[1:]]
         values = torch.from_numpy(both)[None].double()
         resized = functional.interpolate(values, size=size, mode="bilinear")[0]
-        # Half a grey level goes up, also where rounding left a little less.
+        # Half a grey level is rounded up, even if rounding errors made it a little less.
         both = torch.floor(resized + (0.5 + 1e-6)).to(torch.uint8).numpy()
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
@@ -65,20 +66,20 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, kn
     Parameters
     ----------
     scenes : sequence of Scene
-        ValueError unless `check_trainable` passes them.
+        ValueError if `check_trainable` refuses one.
     n_range_bins, n_range_lines : int, optional
-        Size of the crops, which is at most that of the smallest scene; None: as large as that.
+        Size of the crops, which cannot exceed the smallest scene; by default, the size of that.
     flip : bool
         Mirror each crop left to right with probability 1/2.
     known : callable, optional
-        ``known(scene)`` gives a further map (range_bin, range_line) of the scene, to be cut like
-        the mask. It draws nothing from `rng`.
+        ``known(scene)`` returns a further map of the scene, (range_bin, range_line), which is
+        cropped like the mask. It does not use `rng`.
     rng : numpy.random.Generator
 
     Returns
     -------
     images, masks[, maps] : ndarray of uint8, of bool, of any, (patch, range_bin, range_line)
-        The third only if `known` is given.
+        `maps` are returned only if `known` is given.
     """
     whole = []
     for scene in scenes:
@@ -97,7 +98,7 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, kn
 
 
 def _draw_patch(maps, size, flip, rng):
-    """A random window of all maps, around a random true pixel of the mask, the second map."""
+    """One random crop of all maps that holds a random true pixel of the mask, the second map."""
     mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
@@ -120,6 +121,6 @@ def to_signed(array):
 
 
 def from_signed(tensor):
-    """Images of uint8 from a tensor (patch, 1, range_bin, range_line), inverse of `to_signed`."""
+    """Images (uint8) of a tensor (patch, 1, range_bin, range_line), the inverse of `to_signed`."""
     grey = torch.round((tensor[:, 0].float() + 1) * 127.5)
     return grey.to(torch.uint8).cpu().numpy()

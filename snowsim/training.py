@@ -1,4 +1,4 @@
-"""Parts that all trainings share: steps, precision, states to keep and to restore."""
+"""Parts that all trainings share: steps, batches, precision, and states to save and restore."""
 
 import math
 import warnings
@@ -6,11 +6,11 @@ import warnings
 import torch
 from torch.utils.data import DataLoader
 
-READ_EVERY = 50  # [steps] between readings of the losses on a GPU; each waits for the device
-# Most shapes of batches for which a step is captured: 300 heights at four scales. For others the
-# function is called.
+READ_EVERY = 50  # [steps] between readings of the losses on a GPU, which wait for the device
+# Largest number of batch shapes for which a step is captured: 300 heights at four scales. For
+# further shapes the function is called.
 MOST_GRAPHS = 1200
-N_AHEAD = 4  # batches that each process makes ahead
+N_AHEAD = 4  # batches that each process prepares in advance
 
 
 def is_gpu(device):
@@ -19,26 +19,27 @@ def is_gpu(device):
 
 
 def check_device(device):
-    """ValueError if a device is a GPU and there is none."""
+    """Raise ValueError if a device is a GPU and torch finds none."""
     if is_gpu(device) and not torch.cuda.is_available():
         msg = f"device {device}: expected a GPU that this build of torch can use, found none"
         raise ValueError(msg)
 
 
 class Step:
-    """A step of a training, as a function of a batch; on a GPU it is replayed, not called.
+    """Training step, a function of a batch; on a GPU, a CUDA graph replaces calls of the function.
 
-    A step of these networks starts some hundred short kernels, and starting them takes a GPU longer
-    than their arithmetic. There the function is captured as a CUDA graph when a shape of its batch
-    is first met; later batches of that shape are copied to where the graph reads them.
+    A step of these networks starts some hundred short kernels. On a GPU, starting them takes longer
+    than their arithmetic. There, the first batch of each shape captures the function as a graph.
+    Later batches of that shape are copied to the memory that the graph reads.
 
     Parameters
     ----------
     function : callable
-        ``function(batch)`` of nested dicts of tensors on the device gives a tensor of losses. What
-        else it changes are tensors of `optimisers`, all in place; it does not wait for the device.
+        ``function(batch)`` returns a tensor of losses; `batch` is nested dicts of tensors on the
+        device. Apart from this, it changes only tensors of `optimisers`, in place. It does not wait
+        for the device.
     optimisers : sequence of torch.optim.Optimizer
-        They have moments (`adaptive`) and their weights gradients (`Resumable`) already.
+        Their moments (`capturable_optimiser`) and gradients (`Resumable`) exist already.
     device : str
     """
 
@@ -50,76 +51,76 @@ class Step:
         self._pool = torch.cuda.graph_pool_handle() if is_gpu(device) else None
 
     def __call__(self, batch):
-        """Take the step on a batch, tensors in main memory; its losses, a tensor."""
+        """Losses, a tensor, of one step on a batch whose tensors are in main memory."""
         if not is_gpu(self._device):
             return self._function(batch)
-        shapes = tuple((tensor.shape, tensor.dtype) for tensor in leaves(batch))
+        shapes = tuple((tensor.shape, tensor.dtype) for tensor in tensors_of(batch))
         if shapes not in self._captured:
-            held = on_device(batch, self._device)
+            graph_batch = on_device(batch, self._device)
             if len(self._captured) == MOST_GRAPHS:
-                return self._function(held)
-            self._captured[shapes] = self._capture(held)
-        held, graph, losses = self._captured[shapes]
-        for tensor, value in zip(leaves(held), leaves(batch), strict=True):
+                return self._function(graph_batch)
+            self._captured[shapes] = self._capture(graph_batch)
+        graph_batch, graph, losses = self._captured[shapes]
+        for tensor, value in zip(tensors_of(graph_batch), tensors_of(batch), strict=True):
             tensor.copy_(value, non_blocking=True)
         graph.replay()
-        # The next replay writes over them.
+        # A copy: the next replay overwrites the losses.
         return losses.clone()
 
-    def _capture(self, held):
-        """The tensors that a graph reads, `held`, the graph, and the losses that it writes."""
-        changed = [tensor for one in self._optimisers for tensor in changed_by(one)]
-        before = [tensor.detach().clone() for tensor in changed]
+    def _capture(self, graph_batch):
+        """Three parts of a graph: the batch that it reads, the graph, and the losses it writes."""
+        state = [tensor for one in self._optimisers for tensor in state_tensors(one)]
+        state_before = [tensor.detach().clone() for tensor in state]
         stream = torch.cuda.Stream()
         stream.wait_stream(torch.cuda.current_stream())
         with torch.cuda.stream(stream):
-            # CUDA graphs ask for some calls of a step before it is captured.
+            # CUDA graphs need some calls of a function before they capture it.
             for _ in range(3):
-                self._function(held)
+                self._function(graph_batch)
         torch.cuda.current_stream().wait_stream(stream)
         graph = torch.cuda.CUDAGraph()
         with torch.cuda.graph(graph, pool=self._pool):
-            losses = self._function(held)
-        # Steps taken to warm up do not count.
+            losses = self._function(graph_batch)
+        # The calls above must not count as training steps.
         with torch.no_grad():
-            for tensor, value in zip(changed, before, strict=True):
+            for tensor, value in zip(state, state_before, strict=True):
                 tensor.copy_(value)
-        return held, graph, losses
+        return graph_batch, graph, losses
 
 
-def leaves(batch):
-    """Tensors of nested dicts, in order."""
+def tensors_of(batch):
+    """Tensors in nested dicts, in order."""
     for value in batch.values():
         if isinstance(value, dict):
-            yield from leaves(value)
+            yield from tensors_of(value)
         else:
             yield value
 
 
 def on_device(batch, device):
-    """Nested dicts of tensors, copied to a device."""
+    """Copy of nested dicts of tensors on a device."""
     if isinstance(batch, dict):
         return {key: on_device(value, device) for key, value in batch.items()}
     return batch.detach().to(device)
 
 
-def changed_by(optimiser):
-    """Tensors that an optimiser's step changes: weights, gradients and moments."""
+def state_tensors(optimiser):
+    """Weights, gradients and moments, which a step of an optimiser changes."""
     for weight in weights_of(optimiser):
         yield weight
         yield weight.grad
         yield from optimiser.state.get(weight, {}).values()
 
 
-def adaptive(kind, groups, rate, device, **options):
-    """An optimiser of `kind`, torch.optim.Adam or AdamW, whose steps can be captured on a GPU."""
+def capturable_optimiser(kind, groups, rate, device, **options):
+    """Optimiser of `kind`, torch.optim.Adam or AdamW, whose steps a CUDA graph can capture."""
     on_gpu = is_gpu(device)
     optimiser = kind(groups, lr=rate, fused=True, capturable=on_gpu, **options)
     if on_gpu:
         for group in optimiser.param_groups:
             group["lr"] = torch.tensor(rate, device=device)
         for weight in weights_of(optimiser):
-            # As at the first step, which would make them anew.
+            # The moments of a first step, which would otherwise allocate them itself.
             optimiser.state[weight] = {
                 "step": torch.zeros((), device=device),
                 "exp_avg": torch.zeros_like(weight),
@@ -129,12 +130,12 @@ def adaptive(kind, groups, rate, device, **options):
 
 
 def weights_of(optimiser):
-    """Weights that an optimiser changes, in the order of their numbers in its state."""
+    """Weights of an optimiser, in the order of their numbers in its state."""
     return [weight for group in optimiser.param_groups for weight in group["params"]]
 
 
 def set_rate(group, rate):
-    """Set the learning rate of a group of an optimiser; a tensor, which a graph reads, in place."""
+    """Set the learning rate of a group of an optimiser, in place if a graph reads it."""
     if torch.is_tensor(group["lr"]):
         group["lr"].fill_(rate)
     else:
@@ -144,7 +145,7 @@ def set_rate(group, rate):
 class Batches:
     """Batches of a training by number of the step; a ValueError is returned, not raised.
 
-    Raised in a process that makes batches, its message would be the whole traceback.
+    If a worker process raised it, the traceback would become part of its message.
     """
 
     def __init__(self, batch_at):
@@ -158,22 +159,22 @@ class Batches:
 
 
 def batches(batch_at, first, n_steps, *, device, n_workers):
-    """Batches ``batch_at(step)`` of steps `first` to `n_steps`, in order.
+    """Batches ``batch_at(step)`` of steps `first` to ``n_steps - 1``, in order.
 
-    `n_workers` processes make them ahead; 0: they are made when asked for. A batch is a function of
-    its step alone, so both give the same.
+    `n_workers` processes prepare them in advance; with 0, each is made when it is needed. A batch
+    depends on its step alone, so the number of processes does not matter.
     """
-    ahead = {}
+    worker_options = {}
     if n_workers:
-        # Forked, they share the open files and scenes in memory.
-        ahead = {"prefetch_factor": N_AHEAD, "multiprocessing_context": "fork"}
+        # Forked processes share the open files and the scenes in memory.
+        worker_options = {"prefetch_factor": N_AHEAD, "multiprocessing_context": "fork"}
     loader = DataLoader(
         Batches(batch_at),
         batch_size=None,
         sampler=range(first, n_steps),
         num_workers=n_workers,
         pin_memory=is_gpu(device),
-        **ahead,
+        **worker_options,
     )
     for batch in loader:
         if isinstance(batch, ValueError):
@@ -182,11 +183,11 @@ def batches(batch_at, first, n_steps, *, device, n_workers):
 
 
 def run_steps(training, batch_at, take, names, *, n_workers):
-    """Run the steps that a training still has; yields the steps taken and the losses by name.
+    """Run the remaining steps of a training; yields the number of steps so far, and losses by name.
 
-    ``take(batch)`` runs one step and gives its losses. On a CPU every step yields. Reading losses
-    from a GPU waits for the device: there every `READ_EVERY` steps, and the last, yield the mean of
-    the losses since the reading before. FloatingPointError if a loss is not finite.
+    ``take(batch)`` runs one step and returns its losses. On a CPU, every step yields. On a GPU,
+    reading losses waits for the device. There, every `READ_EVERY` steps and at the end, the mean
+    of the losses since the last reading is yielded. FloatingPointError if a loss is not finite.
     """
     n_steps = training.settings.n_steps
     every = READ_EVERY if is_gpu(training.device) else 1
@@ -209,25 +210,25 @@ def run_steps(training, batch_at, take, names, *, n_workers):
 def arithmetic(device, precision):
     """Context in which networks compute in `precision`, `float32` or `bfloat16`.
 
-    Weights are always float32. A processor without AVX-512 would emulate bfloat16: there networks
-    compute in float32, with a UserWarning.
+    Weights are always float32. A processor without AVX-512 would emulate bfloat16, so networks
+    compute in float32 there, with a UserWarning.
     """
     kind = torch.device(device).type
     is_bfloat16 = precision == "bfloat16"
-    # Names that torch gives to the capability of x86-64 processors without AVX-512.
+    # Names in torch for the capability of x86-64 processors without AVX-512.
     without_avx512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
     is_emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in without_avx512
     if is_bfloat16 and is_emulated:
         msg = (
             "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing "
-            "in float32, which moves numbers as another processor does"
+            "in float32, which changes results as much as another processor does"
         )
         warnings.warn(msg, stacklevel=2)
     return torch.autocast(kind, torch.bfloat16, enabled=is_bfloat16 and not is_emulated)
 
 
 def load_weights(network, weights, name):
-    """The network, with weights (dict of arrays) copied into it.
+    """The network, after `weights`, a dict of arrays, were copied into it.
 
     ValueError, naming the network, if names or shapes differ.
     """
@@ -243,11 +244,11 @@ def load_weights(network, weights, name):
 
 
 class Resumable:
-    """Settings, seed, device, networks and optimisers of a training, and `step`, steps taken.
+    """Training that can be saved and resumed; `step` is the number of steps so far.
 
-    A training resumes from its `state`, `step` and seed, since what a step draws depends on seed
-    and step alone. `what` names it in errors. `networks` are by name, with their first weights;
-    `optimisers` are added later.
+    It holds settings, seed, device, networks and optimisers. It resumes from its `state`, `step`
+    and seed, since the random numbers of a step depend on seed and step alone. `what` is its name
+    in errors. `networks` is a dict of networks with initial weights; `optimisers` are added later.
     """
 
     def __init__(self, what, settings, seed, device, networks):
@@ -261,20 +262,23 @@ class Resumable:
         for network in networks.values():
             network.to(device=device, memory_format=torch.channels_last)
             for weight in network.parameters():
-                # On a GPU a graph adds to these, in place.
+                # On a GPU, a graph adds to gradients in place.
                 weight.grad = torch.zeros_like(weight)
 
     def state(self):
-        """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
+        """State of networks and optimisers, as nested dicts of CPU tensors.
+
+        Together with `step` and the seed, it is all that a training resumes from.
+        """
         state = {name: network.state_dict() for name, network in self.networks.items()}
         for name, optimiser in self.optimisers.items():
             state[name] = optimiser.state_dict()["state"]
         return on_device(state, "cpu")
 
     def restore(self, state, step):
-        """Continue from a `state`, as arrays, that was kept after `step` steps.
+        """Continue from a `state`, as arrays, that was saved after `step` steps.
 
-        ValueError if it was made by other settings.
+        ValueError if the weights are those of networks with other settings.
         """
         for name, network in self.networks.items():
             load_weights(network, state.get(name, {}), f"{self._what} {name}")
@@ -286,7 +290,7 @@ class Resumable:
 def load_moments(optimiser, moments):
     """Copy moments, dicts of arrays by number of the weight, into an optimiser.
 
-    Before the first step there are none.
+    `moments` is empty if it was saved before the first step.
     """
     weights = weights_of(optimiser)
     for index, values in moments.items():
@@ -298,5 +302,5 @@ def load_moments(optimiser, moments):
 
 
 def copy_like(weight, values):
-    """An array as a tensor of the shape and device of a weight, laid out in memory as it is."""
+    """Tensor of an array, with the shape, device and memory layout of a weight."""
     return torch.empty_like(weight).copy_(torch.as_tensor(values))

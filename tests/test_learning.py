@@ -64,7 +64,7 @@ def test_the_name_of_what_is_no_tracker_is_refused(tmp_path):
 
 
 def test_one_scene_leaves_none_to_calibrate_on(tmp_path):
-    with refusal("one is to calibrate on, must .* at least 2, got 1"):
+    with refusal("one for the calibration, must .* at least 2, got 1"):
         train(tmp_path / "mine.onnx", toy_scenes(1))
     with refusal("line_spacing_m must be finite"):
         train(tmp_path / "mine.onnx", toy_scenes(2), line_spacing_m=float("inf"))
@@ -90,11 +90,11 @@ def test_both_spacings_are_those_beside_the_pairs(tmp_path):
     assert (card["bin_s"], card["line_spacing_m"]) == (1.5e-10, 9.0)
     with refusal("expected range lines of 8 m, .* found 9 m"):
         train(tmp_path / "other.onnx", pairs, bin_s=None, line_spacing_m=8.0)
-    with pytest.warns(UserWarning, match="^scenes tell no range") as warned:
+    with pytest.warns(UserWarning, match="^scenes do not state the spacing of") as warned:
         train(tmp_path / "third.onnx", toy_scenes(3), bin_s=None, line_spacing_m=None)
     assert [str(each.message) for each in warned] == [
-        "scenes tell no range bins: of 2.886e-10 s assumed",
-        "scenes tell no range lines: of 5.2 m assumed",
+        "scenes do not state the spacing of their range bins: 2.886e-10 s assumed",
+        "scenes do not state the spacing of their range lines: 5.2 m assumed",
     ]
 
 

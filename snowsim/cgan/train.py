@@ -9,7 +9,15 @@ from snowsim.cgan.networks import LOSSES, initialise
 from snowsim.limits import check_count
 from snowsim.patches import draw_index, from_signed
 from snowsim.seeding import random_stream
-from snowsim.training import Resumable, Step, adaptive, is_gpu, load_weights, run_steps, set_rate
+from snowsim.training import (
+    Resumable,
+    Step,
+    capturable_optimiser,
+    is_gpu,
+    load_weights,
+    run_steps,
+    set_rate,
+)
 
 RECIPES = {"measured": measured, "pix2pix": pix2pix}  # modules, by `Settings.method`
 N_SCENES_HELD = 2500  # scenes kept in memory with what is prepared, each about 1 MB
@@ -31,7 +39,7 @@ class Training(Resumable):
         for name, network in networks.items():
             weights = network.parameters()
             # The betas of pix2pix.
-            adam = adaptive(torch.optim.Adam, weights, rate, device, betas=(0.5, 0.999))
+            adam = capturable_optimiser(torch.optim.Adam, weights, rate, device, betas=(0.5, 0.999))
             self.optimisers[f"{name}_adam"] = adam
 
 

@@ -12,8 +12,8 @@ from snowsim.tracker.published import PublishedNetwork, published_optimiser, pub
 from snowsim.training import (
     Resumable,
     Step,
-    adaptive,
     arithmetic,
+    capturable_optimiser,
     copy_like,
     load_weights,
     on_device,
@@ -173,4 +173,4 @@ def optimiser_of(network, settings, device):
     rate = settings.learning_rate
     group = {"params": list(network.parameters()), "highest": rate}
     decay = settings.weight_decay
-    return adaptive(torch.optim.AdamW, [group], rate, device, weight_decay=decay)
+    return capturable_optimiser(torch.optim.AdamW, [group], rate, device, weight_decay=decay)
