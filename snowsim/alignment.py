@@ -1,7 +1,7 @@
-"""Echograms and their layers on common axes: joined, resampled, level, and cut into scenes.
+"""Echograms and their layers on common axes: joined, resampled, levelled, and cut into scenes.
 
-`join` puts the layers on the range lines of their echogram and checks both clocks. What comes later
-takes an echogram and layers that were joined.
+`join` puts the layers on the range lines of their echogram and checks both clocks. Later steps
+receive an echogram and layers that were joined.
 """
 
 import warnings
@@ -13,23 +13,24 @@ import xarray as xr
 from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import SURFACE_ROW, Scene, check_choice, scene_height, to_uint8
 
-OVERLAP_LINES = 6  # of neighbouring blocks
-FLAGGED = "range lines flagged"  # ends the reason why a block with flagged lines is skipped
-FAR_BINS = 6  # a layer 0 this far from the echogram's surface may be another layer
-FAR_M = 500.0  # lines of layers this far from the echogram's are not the same lines
-# A pick is used for range lines at most this many line spacings of the layer file away.
+OVERLAP_LINES = 6  # range lines that neighbouring blocks share
+FLAGGED = "range lines flagged"  # last words of the reason why a block is skipped
+FAR_BINS = 6  # if layer 0 is further from the echogram's surface, it may be another layer
+FAR_M = 500.0  # if layers are further from the echogram, their range lines are others
+# [median spacings of a layer file] Largest distance between a pick and a range line that uses it.
 FARTHEST_PICK = 1.5
-# Times of the same range line in two files differ by rounding, by less than this many spacings.
+# [spacings] Two files differ by less than this in the time of a range line, by rounding alone.
 SAME_LINE_SPACINGS = 1e-3
 LEVELLING = ("surface", "elevation", "none")
-# Flags of an IRSNO1B supplement that leave out a range line by default; the archive's analysts set
-# them for whole frames. Three flags do not. `deconvolution_artifact`: sidelobes some 30 dB below a
-# bright echo do not move layers, and the plain product has the same supplement. `low_SNR`: such
-# lines are weak but measured; without them the mean power would be too high. `land_ice`: this names
-# the ground, not a defect.
+# Flags of an IRSNO1B supplement for which a range line is left out by default; the archive's
+# analysts set them for whole frames. Lines with the three other flags are kept.
+# `deconvolution_artifact`: sidelobes some 30 dB below a bright echo do not move layers, and the
+# product without deconvolution has the same supplement. `low_SNR`: such lines are weak but
+# measured; without them, the mean power would be too high. `land_ice` is a kind of ground, not a
+# defect.
 FLAGGED_BY = (
-    "coh_noise_removal_artifact",  # power that is no echo, in the air and under the picks
-    "vertical_stripes_artifact",  # the same: vertical stripes or a raised noise floor
+    "coh_noise_removal_artifact",  # power without an echo, in the air and below the picks
+    "vertical_stripes_artifact",  # likewise: vertical stripes or a raised noise floor
     "missing_data",  # the range gate clips the echogram
     "no_good_data",
     "unclassified_artifact",
@@ -65,8 +66,8 @@ def levelled(power, first, n_rows):
 def layer_bins_of(layers, echogram):
     """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
 
-    ValueError unless both have the same range lines: as many, and each pair closer in time than
-    half the spacing of range lines.
+    ValueError unless both have the same range lines: equally many, and each pair less than half a
+    line spacing apart in time.
     """
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
@@ -93,7 +94,7 @@ def range_bins(twtt, echogram):
 def surface_away_bins(echogram, layers):
     """Median distance of layer 0 from the echogram's own surface [range bins], NaN if unknown.
 
-    Beyond `FAR_BINS` layer 0 may be another layer.
+    If it exceeds `FAR_BINS`, layer 0 may be another layer.
     """
     own = range_bins(echogram["Surface"].values, echogram)
     own[~(own >= 0)] = np.nan  # above the record
@@ -102,10 +103,10 @@ def surface_away_bins(echogram, layers):
 
 
 def along_track_m(echogram):
-    """Distance of every range line from the first that has a position, (range_line,) [m].
+    """Distance of every range line from the first with a position, (range_line,) [m].
 
-    On a sphere of 6371 km. Lines without a position lie evenly between those that have one; before
-    the first and after the last of them the distance is NaN.
+    The Earth is a sphere of radius 6371 km. Lines without a position are spaced evenly between
+    lines with one. Before the first position and after the last, the distance is NaN.
     """
     positions = positions_of(echogram)
     known = np.flatnonzero(np.isfinite(positions).all(axis=0))
@@ -119,7 +120,7 @@ def along_track_m(echogram):
 
 
 def with_fixes(dataset):
-    """The same with NaN for fixes at 0 degrees north and east, unless all are there."""
+    """Dataset with NaN for positions at 0 degrees north and east, unless all are there."""
     if not {"Latitude", "Longitude"} <= set(dataset):
         return dataset
     away = (dataset["Latitude"] != 0) | (dataset["Longitude"] != 0)
@@ -136,7 +137,7 @@ def positions_of(dataset):
 
 
 def distance_m(first, second):
-    """Distance of places from others, both of `positions_of`, on a sphere, (range_line,) [m]."""
+    """Distance on a sphere between pairs of places, both of `positions_of`, (range_line,) [m]."""
     half_chord = (
         np.sin((second[0] - first[0]) / 2) ** 2
         + np.cos(first[0]) * np.cos(second[0]) * np.sin((second[1] - first[1]) / 2) ** 2
@@ -156,11 +157,11 @@ def join(
 ):
     """Echogram and layers of one frame on the same range lines, for statistics and blocks.
 
-    The layers are put on the echogram's lines (`align_layers`), flagged lines lose their power and
-    picks (`leave_out_flagged`), range bins become `bin_s` long (`resample_range`; by default they
-    stay), and the frame is levelled (`flatten`). Messages use the two names. ValueError if a step
-    refuses the frame, or if all range lines are flagged. Warns if layer 0 is far from the
-    echogram's surface.
+    Layers are put on the echogram's lines (`align_layers`). Flagged lines lose their power and
+    picks (`leave_out_flagged`). If `bin_s` is given, range bins are resampled to this length
+    (`resample_range`). The frame is levelled (`flatten`). The two names appear in messages.
+    ValueError if a step refuses the frame, or if all range lines are flagged. UserWarning if layer
+    0 is far from the echogram's surface.
     """
     layers = align_layers(layers, echogram, where=layers_name)
     away_bins = surface_away_bins(echogram, layers)
@@ -187,13 +188,15 @@ def join(
 def align_layers(layers, echogram, where="layers"):
     """Layers on the range lines of an echogram, with travel times from its antenna.
 
-    `twtt` is interpolated between neighbouring picks. It is NaN where either is missing, and on
-    range lines further than `FARTHEST_PICK` line spacings from the nearest line of the layers.
-    `quality` and `type` are those of the nearest line. `where` names the layers in messages. Layer
-    files hold their own antenna elevation: ``t += 2 (z_echogram
-    - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
-    not cover the echogram's time span to within one of their own lines, if their lines lie far from
-    the echogram's, or if a layer lies outside the echogram's window.
+    `twtt` is interpolated between neighbouring picks. It is NaN where one of the two is missing,
+    and on range lines that are more than `FARTHEST_PICK` line spacings of the layers from the nearest line
+    of the layers. `quality` and `type` are those of the nearest line. Layer files have their own
+    antenna elevation. Where both elevations are known, ``t += 2 (z_echogram - z_layers) / c``, as
+    in the CReSIS toolbox. Messages begin with `where`.
+
+    ValueError if the layers do not cover the echogram's time span to within one of their own line
+    spacings, if their positions are far from the echogram's, or if a layer lies outside the
+    echogram's window.
     """
     first_time, last_time = echogram["slow_time"].values[[0, -1]]
     theirs_s, ours_s = (
@@ -213,7 +216,7 @@ def align_layers(layers, echogram, where="layers"):
     picked = layers.transpose("layer", ...)
     twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
     away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
-    # On a line of the layers its own pick counts, even if the pick beside it is missing.
+    # A range line with the time of a layer line takes its pick, even if the pick beside is missing.
     twtt = np.where(away < SAME_LINE_SPACINGS, picked["twtt"].values[:, nearest], twtt)
     twtt[:, away > FARTHEST_PICK] = np.nan
     if "Elevation" in layers:
@@ -250,15 +253,16 @@ def _check_positions(layers, echogram, where):
 
 
 def flatten(echogram, layers, *, method="surface"):
-    """Echogram and layers, each range line shifted by whole bins so that the frame is level.
+    """Echogram and layers of a level frame, after each range line was shifted by whole bins.
 
-    Both are on the same range lines (`align_layers`). With `method` "surface", layer 0 is put into
-    the row of its median; it is interpolated where it is not picked. "elevation" removes the
-    changes of the aircraft's height above the ellipsoid, as the CReSIS toolbox does. "none" returns
-    the frame as it is. A line shifted by k bins has ``Elevation += k dt c / 2`` and ``t += k dt``.
-    Rows are added at both ends so that no pixel is lost; they are NaN outside the record. A frame
-    that is level already is returned as it is. ValueError if the method is unknown, or the surface
-    has no pick.
+    Both must have the same range lines (`align_layers`). Method "surface" puts layer 0 into the row
+    of its median; where layer 0 is not picked, it is interpolated. "elevation" removes the changes
+    of the aircraft's height above the ellipsoid, as the CReSIS toolbox does. "none" changes
+    nothing, and neither does any method if the frame is level already.
+
+    A shift by k bins adds ``k dt`` to travel times and ``k dt c / 2`` to `Elevation`. Rows are
+    added at both ends so that no pixel is lost; they are NaN outside the record. ValueError if the
+    method is unknown, if layer 0 has no pick, or if no elevation is known.
     """
     check_choice("method", method, LEVELLING)
     if method == "none":
@@ -269,7 +273,7 @@ def flatten(echogram, layers, *, method="surface"):
     else:
         bins = echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s)
     if not np.isfinite(bins).any():
-        msg = f"{method} is nowhere known, so the frame cannot be levelled"
+        msg = f"{method} is not known on any range line, so the frame cannot be levelled"
         raise ValueError(msg)
     bridged = pd.Series(bins).interpolate(limit_direction="both").to_numpy()
     # Halves are rounded up, not to even, so that a shift by whole bins changes no rounding.
@@ -277,7 +281,7 @@ def flatten(echogram, layers, *, method="surface"):
     shift = int(np.floor(np.median(rows))) - rows
     if not shift.any():
         return echogram, layers
-    return shifted(echogram, shift), _delayed(layers, ("twtt",), shift * bin_s)
+    return shifted(echogram, shift), _add_delay(layers, ("twtt",), shift * bin_s)
 
 
 def shifted(echogram, shift):
@@ -287,21 +291,25 @@ def shifted(echogram, shift):
     n_rows = echogram.sizes["twtt"] + int(max(shift.max(), 0)) - lowest
     moved = levelled(data_of(echogram), lowest - shift, n_rows)
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
-    return _delayed(_of_bins(echogram, moved, twtt), ("Surface", "Bottom"), shift * bin_s)
+    moved_echogram = _replace_power(echogram, moved, twtt)
+    return _add_delay(moved_echogram, ("Surface", "Bottom"), shift * bin_s)
 
 
-def _of_bins(echogram, power, twtt):
-    """Echogram with new power on new range bins `twtt`, and its variables along track."""
+def _replace_power(echogram, power, twtt):
+    """Echogram with new power on new range bins `twtt`; its variables along track stay."""
     others = echogram.drop_dims("twtt")
     others = others.assign_coords(twtt=("twtt", twtt, {"units": "s"}))
     return others.assign(Data=(("twtt", "slow_time"), power, echogram["Data"].attrs))
 
 
-def _delayed(dataset, times, delay_s):
-    """Dataset with travel times `delay_s` (range_line,) later and its antenna higher to match."""
+def _add_delay(dataset, names, delay_s):
+    """Dataset with a delay (range_line,) [s] added to the travel times called `names`.
+
+    The antenna is raised by the same distance, so that layers keep their elevation.
+    """
     delay = xr.DataArray(delay_s, dims="slow_time")
     rise_m = delay * SPEED_OF_LIGHT_M_S / 2
-    changes = [(name, delay, "s") for name in times] + [("Elevation", rise_m, "m")]
+    changes = [(name, delay, "s") for name in names] + [("Elevation", rise_m, "m")]
     for name, change, units in changes:
         if name in dataset:
             moved = (dataset[name] + change).transpose(*dataset[name].dims)
@@ -312,10 +320,10 @@ def _delayed(dataset, times, delay_s):
 def resample_range(echogram, bin_s):
     """Echogram in range bins of another length `bin_s` in two-way travel time [s].
 
-    Longer bins hold the mean power of the bins they cover, shorter ones the power interpolated
-    between bin centres. The first bin keeps its travel time. A new bin is NaN if it uses a NaN. If
-    the lengths agree to a millionth, the echogram is returned as it is. ValueError unless two bins
-    fit into the echogram.
+    Longer bins hold the mean power of the old bins that they cover; shorter bins hold the power
+    interpolated between old bin centres. The first bin keeps its travel time. A new bin is NaN if
+    it uses a NaN. If the lengths agree to a millionth, the echogram is returned as it is.
+    ValueError unless two bins fit into the echogram.
     """
     present_s = bin_size_s(echogram)
     power = data_of(echogram)
@@ -330,15 +338,15 @@ def resample_range(echogram, bin_s):
     # Rounded to a millionth of a bin: a centre that coincides with an old one must not use the
     # neighbouring bin, which may be missing.
     centres = np.round(ratio * np.arange(n_rows), 6)
-    resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
+    resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolate(power, centres)
     first_s = float(echogram["twtt"].values[0])
     twtt = first_s + bin_s * np.arange(n_rows)
-    dataset = _of_bins(echogram, resampled.astype(power.dtype, copy=False), twtt)
+    dataset = _replace_power(echogram, resampled.astype(power.dtype, copy=False), twtt)
     return dataset.assign_attrs(resampled_from_bin_size_s=present_s)
 
 
 def _box_means(power, centres, ratio):
-    """Mean over boxes of `ratio` bins about `centres`, by differences of the running integral."""
+    """Mean power over boxes of `ratio` bins about `centres`, from the integral at their edges."""
     missing = ~np.isfinite(power)
     n_bins, n_lines = power.shape
     edges = np.append(centres - ratio / 2, centres[-1] + ratio / 2) + 0.5
@@ -356,7 +364,8 @@ def _box_means(power, centres, ratio):
     return np.maximum(means, 0)  # rounding of the integral can give -1e-17 of the power above
 
 
-def _interpolated(power, centres):
+def _interpolate(power, centres):
+    """Power at fractional range bins `centres`, linear between neighbouring bins."""
     left = np.minimum(centres.astype(int), power.shape[0] - 2)
     weight = (centres - left)[:, None]
     low, high = power[left], power[left + 1]
@@ -366,27 +375,27 @@ def _interpolated(power, centres):
 def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
     """Echogram, with `flagged (slow_time)`, and layers, both NaN on lines with one of `flags`.
 
-    The lines stay in place, so that their neighbours keep their distance. The echogram's
-    `quality_mask (slow_time)` has one bit for each flag, named by its attributes `flag_masks` and
-    `flag_meanings` (CF conventions, section 3.5); it may lack some of `flags`. Without a mask,
-    echogram and layers are returned as they are.
+    The lines stay in place, so that the distance between other lines does not change. The
+    echogram's `quality_mask (slow_time)` has one bit for each flag, named by its attributes
+    `flag_masks` and `flag_meanings` (CF conventions, section 3.5); it may lack some of `flags`.
+    Without a mask, echogram and layers are returned as they are.
     """
-    held = flagged_lines(echogram)
-    if held is None:
+    lines_by_flag = flagged_lines(echogram)
+    if lines_by_flag is None:
         return echogram, layers
     flagged = np.zeros(echogram.sizes["slow_time"], dtype=bool)
     for name in flags:
-        flagged |= held.get(name, False)
+        flagged |= lines_by_flag.get(name, False)
     echogram = echogram.assign(flagged=("slow_time", flagged))
     if flagged.any():
-        fit = xr.DataArray(~flagged, dims="slow_time")
-        echogram["Data"] = echogram["Data"].where(fit)
-        layers = layers.assign(twtt=layers["twtt"].where(fit))
+        unflagged = xr.DataArray(~flagged, dims="slow_time")
+        echogram["Data"] = echogram["Data"].where(unflagged)
+        layers = layers.assign(twtt=layers["twtt"].where(unflagged))
     return echogram, layers
 
 
 def flagged_lines(echogram):
-    """Mask of range lines by flag, {name: bool (range_line,)}, or None without flags."""
+    """Flagged range lines by flag, {name: bool (range_line,)}, or None without a mask of flags."""
     mask = echogram.get("quality_mask")
     if mask is None or mask.dtype.kind not in "iu":
         return None
@@ -398,31 +407,31 @@ def flagged_lines(echogram):
 
 
 def count_flagged(echogram):
-    """Number of lines that `leave_out_flagged` left out, and text: "low_SNR 12; land_ice 512".
+    """Number of lines that `leave_out_flagged` left out, and a text that counts lines by flag.
 
-    The text counts the lines of every flag. It is "none" if no flag is set, and empty if the
+    The text is like "low_SNR 12; land_ice 512". It is "none" if no flag is set, and empty if the
     echogram has no mask of flags.
     """
-    held = flagged_lines(echogram)
+    lines_by_flag = flagged_lines(echogram)
     n_flagged = int(echogram["flagged"].sum()) if "flagged" in echogram else 0
-    if held is None:
+    if lines_by_flag is None:
         return n_flagged, ""
-    counts = {name: int(lines.sum()) for name, lines in held.items()}
+    counts = {name: int(lines.sum()) for name, lines in lines_by_flag.items()}
     return n_flagged, "; ".join(f"{name} {n}" for name, n in counts.items() if n) or "none"
 
 
 def cut_blocks(echogram, layers, *, name):
-    """Scenes cut from a level frame as the published benchmark does, and why blocks are skipped.
+    """Scenes of a level frame, cut as in the published benchmark, and reasons for skipped blocks.
 
     Blocks have 256 lines and overlap by 6; lines left over at the end are not used. A scene is a
-    cropped block: the surface, layer 0, lies in its row 50, it ends 100 rows below its last layer
-    and has at least 300 rows. Each scene is scaled to 8 bits by itself and called
+    cropped block. The surface, layer 0, lies in its row 50. It ends 100 rows below its last layer
+    and has at least 300 rows. Each scene has its own 8-bit scale and is called
     ``{name}_{block:03d}``; its `notes` hold `first_line`, `first_twtt_s` and `bin_size_s`. Layers
     without a pick in a block are left out of its scene.
 
-    An image has no room for gaps. A block is therefore skipped if it has a line `flagged` by
+    An image cannot have gaps. A block is therefore skipped if it has a line `flagged` by
     `leave_out_flagged`, no pick of the surface, missing pixels, or rows outside the frame. Returns
-    the list of scenes, and a dict of the reason for each skipped block by its name.
+    the list of scenes, and the reasons in a dict by the name of the skipped block.
     """
     layer_bins = layer_bins_of(layers, echogram)
     power = data_of(echogram)
@@ -438,16 +447,16 @@ def cut_blocks(echogram, layers, *, name):
         lines = slice(start, start + BLOCK_LINES)
         scene_name = f"{name}_{block:03d}"
         bins = layer_bins[:, lines]
-        reason = _why_no_scene(power[:, lines], bins, flagged[lines])
+        reason = _reason_to_skip(power[:, lines], bins, flagged[lines])
         if reason:
             skipped[scene_name] = reason
             continue
-        top, bottom = _rows(bins)
+        top, bottom = _scene_rows(bins)
         image, noise_floor_db, maximum_db = to_uint8(power[top:bottom, lines])
         scene = Scene(
             scene_name,
             bottom - top,
-            _picked(bins) - top,
+            _layers_with_picks(bins) - top,
             image=image,
             noise_floor_db=noise_floor_db,
             maximum_db=maximum_db,
@@ -457,26 +466,26 @@ def cut_blocks(echogram, layers, *, name):
     return scenes, skipped
 
 
-def _why_no_scene(power, bins, flagged):
-    """Reason why a block is no scene, or None."""
+def _reason_to_skip(power, bins, flagged):
+    """Reason why no scene is cut from a block, or None."""
     if flagged.any():
         return f"{int(flagged.sum())} of {flagged.size} {FLAGGED}"
     if not np.isfinite(bins[0]).any():
         return "the surface is not picked"
-    top, bottom = _rows(bins)
+    top, bottom = _scene_rows(bins)
     if top < 0 or bottom > power.shape[0]:
-        return f"rows {top} to {bottom} wanted of {power.shape[0]}"
+        return f"rows {top} to {bottom} are needed, the frame has {power.shape[0]}"
     cropped = power[top:bottom]
     n_missing = int((~((cropped > 0) & np.isfinite(cropped))).sum())
     return f"{n_missing} pixels without a measurement" if n_missing else None
 
 
-def _rows(bins):
-    """First row of a block's scene, 50 rows above the surface, and the row after its last."""
+def _scene_rows(bins):
+    """First row of a block's scene, 50 rows above the surface, and the row after its last row."""
     top = int(np.floor(np.nanmedian(bins[0]) + 0.5)) - SURFACE_ROW
-    return top, top + scene_height(_picked(bins) - top)
+    return top, top + scene_height(_layers_with_picks(bins) - top)
 
 
-def _picked(bins):
-    """Layers with a pick."""
+def _layers_with_picks(bins):
+    """Layers that have a pick on at least one range line."""
     return bins[np.isfinite(bins).any(axis=1)]

@@ -1,4 +1,4 @@
-"""The data model: echogram and layer datasets, scenes, echoes, their checks, 8-bit scaling."""
+"""The data model: echogram and layer datasets, scenes and echoes, their checks, 8-bit scaling."""
 
 import re
 from contextlib import contextmanager
@@ -14,8 +14,8 @@ MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
-# No echogram takes more memory: the largest frames of the archives are about 30000 x 5000 float32,
-# 0.6 GB, and a decompression bomb ends here.
+# Larger echograms are refused, which stops decompression bombs. The largest frames of the archives
+# are about 30000 x 5000 float32, 0.6 GB.
 MAXIMUM_BYTES = 2**30
 UNITS = {
     "Data": "W (uncalibrated)",
@@ -36,10 +36,11 @@ INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 FRAME_IN_NAME = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 DEGREES = {"Latitude": 90, "Longitude": 360}
-# Power that lies so far below all other was not recorded, as people write tiny numbers in place of
-# zero. Between neighbours in order of power lie at most 9 dB in simulated frames of one look, 0 in
-# those of five; below the other pixels, a true row of air 60 dB down leaves 42 dB free, 2e-16 in
-# place of noise 80 dB and more (five looks). Means of rows tell it from one look, too: 88 dB.
+# Power this far below all other power was not recorded: some files hold tiny numbers in place of
+# zero. If the pixels of a simulated frame are sorted by power, neighbours differ by at most 9 dB
+# with one look and by less than 1 dB with five. With five looks, the gap below all other pixels is
+# 42 dB for a true row of air 60 dB down, and 80 dB or more for 2e-16 in place of noise. Between
+# means of rows, the gap is 88 dB with one look, too.
 FAR_PIXEL_DB = 50
 FAR_ROW_DB = 70
 
@@ -47,21 +48,21 @@ FAR_ROW_DB = 70
 class Kind(IntEnum):
     """Origin of an echo."""
 
-    LAYER = 0  # labelled
-    BACKGROUND = 1  # snow between layers: no layer, an exponential that starts at the surface
-    BELOW = 2  # an echo below the last layer that no label holds
+    LAYER = 0  # a labelled layer
+    BACKGROUND = 1  # snow between layers: an exponential that starts at the surface
+    BELOW = 2  # an unlabelled echo below the last layer
 
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """Echoes of a scene from the surface down, each a term of eq. (1), with noise and speckle.
+    """Echoes of a scene from the surface down, terms of eq. (1), with its noise and speckle.
 
     Attributes
     ----------
     bins : ndarray, (row, range_line)
         Range bin where each echo's waveform peaks; NaN where it is absent.
     power : ndarray, (row, range_line)
-        Its linear power there; PHY also takes one value for each row, (row,).
+        Linear power of the waveform there; PHY also accepts one value for each row, (row,).
     variance_bins2, decay_rate : ndarray, (row,)
         Variance [bins^2] and decay [per bin] of each echo's waveform.
     kind : ndarray of int8, (row,)
@@ -101,12 +102,12 @@ class Scene:
     n_range_bins : int
         Height of the image.
     layer_bins : ndarray, (layer, range_line)
-        Annotated layers in fractional range bins, layer 0 the snow surface; NaN without one.
+        Annotated layers in fractional range bins, NaN where absent; layer 0 is the snow surface.
     image : ndarray of uint8, (range_bin, range_line), or None
         Scaled by `to_uint8`. Grey level 0 is 10 dB below `noise_floor_db`, 255 is `maximum_db`.
     complete_layer_bins : ndarray, (layer, range_line), or None
-        All layers in order, if `layer_bins` holds only those that a picker found. It may have more
-        rows than `layer_bins`.
+        All layers in order, if `layer_bins` holds only layers that a picker found. It may have
+        more rows than `layer_bins`.
     echoes : Echoes, or None
         Echoes that PHY renders, if they were drawn with the layers.
     zone : int
@@ -139,12 +140,12 @@ class Scene:
         return self.layer_bins.shape[1]
 
     def mask(self):
-        """Binary layer mask of the annotated layers, bool (range_bin, range_line)."""
+        """Mask of the annotated layers, bool (range_bin, range_line)."""
         return layer_mask(self.layer_bins, self.n_range_bins)
 
 
 def named_frame(path):
-    """Segment and number of the frame in a file's name, (None, None) if the name has none."""
+    """Segment and frame number in a file's name; (None, None) if the name does not hold them."""
     named = FRAME_IN_NAME.search(Path(path).stem)
     return (named[1], int(named[2])) if named else (None, None)
 
@@ -159,7 +160,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     twtt : array_like, (range_bin,)
         Two-way travel time of the range bins, evenly spaced [s].
     slow_time : array_like of datetime64, (range_line,), optional
-        UTC; by default range lines are a millisecond apart, from the year 2000 on.
+        UTC; by default, range lines are a millisecond apart from 2000-01-01 on.
     attrs : dict, optional
         Attributes of the dataset.
     **along_track : array_like, (range_line,)
@@ -202,9 +203,9 @@ def echogram_dataset(where, content, attributes):
 
     `content` holds linear power `Data` (range_bin, range_line), `twtt`, and any variables along
     slow_time. Without `slow_time`, range lines are a millisecond apart; missing positions and a
-    missing surface are NaN. Data are transposed if they fit only in this way.
+    missing surface are NaN. `Data` are transposed if their axes fit the others only then.
     """
-    # Imported here: every job loads this module, and xarray takes half a second.
+    # Imported here: every job loads this module, and loading xarray takes half a second.
     import xarray as xr
 
     data = content["Data"]
@@ -221,7 +222,7 @@ def echogram_dataset(where, content, attributes):
     invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
     unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
     dataset = xr.Dataset(attrs=attributes)
-    # Data come first, so that the dataset has their order of axes.
+    # `Data` come first, so that the dataset has their order of axes.
     for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
         with one_line_for(where, f"{name}: expected real numbers, as many as others have"):
             if name not in ("Data", "slow_time"):
@@ -235,7 +236,7 @@ def echogram_dataset(where, content, attributes):
 
 @contextmanager
 def one_line_for(where, expected):
-    """Context in which an error of numpy or xarray becomes a ValueError of one line."""
+    """Context that turns errors of numpy and xarray into a ValueError of one line."""
     try:
         yield
     except (TypeError, ValueError) as error:
@@ -260,7 +261,7 @@ def scene_height(layer_bins):
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
-    """Accumulation zone of each mean thickness of the first slab, 0 the thinnest; -1 for NaN.
+    """Accumulation zone of each mean thickness of the first slab: 0 the thinnest, -1 for NaN.
 
     Thicknesses beyond the outer edges belong to the outer zones.
     """
@@ -270,9 +271,10 @@ def zone_of(first_thickness_bins, zone_edge_bins):
 
 
 def layer_mask(layer_bins, n_range_bins):
-    """One pixel per layer and range line at the rounded bin, bool (range_bin, range_line).
+    """Mask of layers, bool (range_bin, range_line): one pixel per layer and range line.
 
-    `layer_bins`: (layer, range_line), fractional; no pixel where it is NaN or outside the window.
+    `layer_bins` (layer, range_line) are fractional and are rounded. A NaN or a bin outside the
+    image gives no pixel.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     mask = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=bool)
@@ -283,7 +285,7 @@ def layer_mask(layer_bins, n_range_bins):
 
 
 def crossing_layers(layer_bins):
-    """Mask of picks that are not below all layers above them, bool (layer, range_line)."""
+    """Mask of picks that do not lie below all layers above, bool (layer, range_line)."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     filled = np.where(np.isnan(layer_bins), -np.inf, layer_bins)
     deepest_above = np.maximum.accumulate(filled, axis=0)
@@ -318,10 +320,11 @@ def to_db(power):
 
 
 def recorded(power):
-    """Linear power (range_bin, range_line), NaN where it lies far below all other power.
+    """Linear power (range_bin, range_line), with NaN where it lies far below all other power.
 
-    That is a pixel 50 dB, or a row whose mean of decibels lies 70 dB, below the next stronger one,
-    if most pixels, or rows, are stronger. Zero and less stay as they are.
+    Pixels are sorted by power. If a gap of more than 50 dB lies below most of them, pixels below
+    the gap become NaN. Rows are sorted by their mean in decibels and treated likewise, with a gap
+    of 70 dB. Power of zero or less is not changed.
     """
     positive = power > 0
     if not positive.any() or not _may_have_gap(power, positive):
@@ -336,7 +339,10 @@ def recorded(power):
 
 
 def _may_have_gap(power, positive):
-    """Whether power may lie in two parts: quick, on some pixels, with a margin for their median."""
+    """True if power may have a gap, by a quick test that `recorded` makes before it sorts pixels.
+
+    The median is that of some pixels, so half of `FAR_PIXEL_DB` is left for its error.
+    """
     some = power.flat[:: 1 + power.size // 100_000]
     some = some[some > 0]
     least = power.min(where=positive, initial=np.inf)
@@ -344,17 +350,21 @@ def _may_have_gap(power, positive):
 
 
 def _above_gap(values_db, gap_db):
-    """Least of the values above the uppermost gap so wide that has most values above; else -inf."""
+    """Lower limit of the values above the uppermost gap of `gap_db` with most values above it.
+
+    It is -inf if there is no such gap.
+    """
     low_db = values_db.min()
     counts = np.bincount(np.floor(values_db - low_db).astype(int))
-    held = np.flatnonzero(counts)
-    above = np.cumsum(counts[::-1])[::-1][held]
-    ends = np.flatnonzero((np.diff(held) > gap_db) & (2 * above[1:] > values_db.size))
-    return low_db + held[ends[-1] + 1] if ends.size else -np.inf
+    # Decibels above the lowest value, in steps of 1 dB, at which there are values.
+    steps = np.flatnonzero(counts)
+    n_above = np.cumsum(counts[::-1])[::-1][steps]
+    ends = np.flatnonzero((np.diff(steps) > gap_db) & (2 * n_above[1:] > values_db.size))
+    return low_db + steps[ends[-1] + 1] if ends.size else -np.inf
 
 
 def as_recorded(dataset):
-    """The dataset of an echogram, checked before, with NaN in `Data` as by `recorded`."""
+    """Echogram dataset with NaN in `Data` where `recorded` finds that nothing was recorded."""
     data = dataset["Data"].transpose("twtt", "slow_time")
     return dataset.assign(Data=data.copy(data=recorded(data.values)))
 
@@ -365,8 +375,8 @@ def to_uint8(power):
     Parameters
     ----------
     power : array_like, (range_bin, range_line)
-        Linear; ValueError unless positive and finite everywhere, not far below all other, see
-        `recorded`, and not all the same.
+        Linear power. ValueError unless all of it is positive and finite, no pixel lies far below
+        all others (see `recorded`), and not all pixels are equal.
 
     Returns
     -------
@@ -388,7 +398,7 @@ def to_uint8(power):
     if missing.any():
         row, line = np.argwhere(missing)[0]
         msg = (
-            f"power must be what was recorded, got {power[row, line]:.3g} at range_bin {row}, "
+            f"power must have been recorded, got {power[row, line]:.3g} at range_bin {row}, "
             f"range_line {line}: {missing.sum()} pixels lie far below all others"
         )
         raise ValueError(msg)
@@ -409,7 +419,7 @@ def to_grey(power_db, noise_floor_db, maximum_db):
 
 
 def from_uint8(image, noise_floor_db, maximum_db):
-    """Power [dB] of the grey levels of an 8-bit image, float64; the inverse of `to_uint8`."""
+    """Power [dB] of the grey levels of an 8-bit image, float64, the inverse of `to_uint8`."""
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     return bottom_db + np.asarray(image, dtype=float) * ((maximum_db - bottom_db) / 255)
 
@@ -417,16 +427,17 @@ def from_uint8(image, noise_floor_db, maximum_db):
 def check_echogram(echogram, where="echogram"):
     """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
 
-    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt`
-    evenly spaced; `Data` (linear power, not negative, NaN where missing, no grey levels);
-    `Latitude`, `Longitude`, `Elevation`, `Surface` along `slow_time`, degrees of this Earth.
+    Dimensions and coordinates are `slow_time` [UTC, datetime64] and `twtt` [s]. Both increase, and
+    `twtt` is evenly spaced. `Data` are linear power, not negative, NaN where missing, and no grey
+    levels. `Latitude`, `Longitude`, `Elevation` and `Surface` lie along `slow_time`; degrees are
+    within 90 and 360.
     """
     along_track = dict.fromkeys(ECHOGRAM_ALONG_TRACK, ("slow_time",))
     axes = {"Data": ("twtt", "slow_time"), "twtt": ("twtt",)}
     _check_variables(echogram, axes | along_track, where)
     twtt = echogram["twtt"].values
     even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
-    # Errors of a thousandth of a bin do not matter. Some files store single precision, whose last
+    # Errors of a thousandth of a bin do not matter. Some files store single precision. Its last
     # digit is rounded twice: at both ends of the axis, and by a change of units. NaN is uneven.
     last_digit = 2 * np.spacing(np.abs(twtt).max(initial=0).astype(np.float32))
     step = np.diff(even[:2])
@@ -443,7 +454,7 @@ def check_echogram(echogram, where="echogram"):
             f"got {data[at]} at {at}"
         )
         raise ValueError(msg)
-    # A mask has two levels. The first rows are tested first, to spare the test of all others.
+    # A mask of 0 and 1 passes. Two rows are tested first, which usually saves the test of all.
     is_whole = (data[:2] == np.rint(data[:2])).all() and (data == np.rint(data)).all()
     if is_whole and 2 <= data.max() <= 255 and data.min() < data.max():
         msg = f"{where}: Data: expected linear power, found whole numbers of 8 bits: grey levels?"

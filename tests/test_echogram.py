@@ -127,7 +127,7 @@ def test_rows_of_a_tiny_number_were_not_recorded(n_looks, power, rows, rng):
     assert np.isnan(found[rows]).all()
     kept = np.isfinite(found)
     assert_array_equal(found[kept], noise[kept])
-    with refusal("power must be what was recorded, got 1e-.* pixels lie far below all others"):
+    with refusal("power must have been recorded, got 1e-.* pixels lie far below all others"):
         eg.to_uint8(noise)
 
 

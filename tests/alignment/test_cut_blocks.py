@@ -55,8 +55,8 @@ def test_blocks_without_surface_or_pixels_are_skipped_and_layers_without_picks_l
 
 def test_blocks_that_the_window_cuts_short_are_skipped(rng):
     for surface_row, wanted in (
-        (40, "rows -10 to 290 wanted of 900"),
-        (860, "rows 810 to 1110 wanted of 900"),
+        (40, "rows -10 to 290 are needed, the frame has 900"),
+        (860, "rows 810 to 1110 are needed, the frame has 900"),
     ):
         echogram, layers = make_level_frame(rng, surface_row=surface_row, depth_bins=(0, 20))
         scenes, skipped = cut_blocks(echogram, layers, name="f")

@@ -148,7 +148,7 @@ def test_gaps_of_the_surface_are_bridged_and_one_that_is_nowhere_picked_is_refus
         flatten(echogram, layers, method="flat")
     assert flatten(echogram, layers, method="none")[0] is echogram
     layers["twtt"][0] = np.nan
-    with refusal("nowhere known"):
+    with refusal("not known on any range line"):
         flatten(echogram, layers)
 
 
