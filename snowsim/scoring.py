@@ -1,4 +1,4 @@
-"""Scores of a tracker's files: `snowsim.score_folders`, and the command `snowsim score`."""
+"""Scores of the files of a tracker, for `snowsim.score_folders` and the command `snowsim score`."""
 
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
@@ -30,8 +30,9 @@ from snowsim.tracker import pick_layers
 
 POSITIVE_OPTIONS = ("max_distance_bins", "bin_s")
 LEAST_WHOLE_NUMBER = {"n_bootstrap": 1, "seed": 0, "processes": 1}
-# Fewest distinct values above 0 that give a map's AP. Maps that use all of [0, 1] have the AP of
-# floats within 0.01 if rounded to 16 even steps, within 0.03 to 4 steps; to 1 it is off by 0.56.
+# Fewest distinct values above 0 for which the AP of a map is given. Maps that use all of [0, 1]
+# change their AP by up to 0.01 if they are rounded to 16 even steps, by 0.03 with 4 steps, and by
+# 0.56 with one step.
 LEAST_LEVELS = 16
 # Largest difference between the times of a range line in two files.
 SAME_TIME = np.timedelta64(1, "ms")
@@ -61,7 +62,7 @@ def score_folders(
     processes=1,
     bin_s=None,
 ):
-    """Edge scores and errors of picks of a tracker, from two folders of files.
+    """Table of edge scores and errors of picks of a tracker, from two folders or two files.
 
     Parameters
     ----------
@@ -75,43 +76,46 @@ def score_folders(
         Predictions are layers, not edge maps. Both are labels as above, or both are layer files
         that `snowsim.io.read_layers` reads, such as those of `snowsim track`. There are no edge
         scores. Without `picks`, layers are followed through the edge maps, at the threshold of the
-        best F of the set.
+        best F of all images.
     thresholds : {"quantiles", "published"}
         "quantiles" scores edge maps at quantiles of their own values, so that their scale does not
         matter (`snowsim.metrics.edges.thresholds_of`). "published" scores them as the published
         code does, at 0.01 to 0.99.
     suppressed : bool
-        Edge maps are thin already: leave out non-maximum suppression.
+        Edge maps are thin already, and non-maximum suppression is left out.
     tolerance : float
-        Largest distance of a matched pair, as a share of the image diagonal.
+        Largest distance between matched pixels, as a share of the image diagonal.
     max_distance_bins : float
-        Largest distance of a pick from its layer [range bins].
+        Largest distance between a pick and its layer [range bins].
     within_bins : float
-        Largest error that counts in `share_within` [range bins].
+        Largest error of a pick that counts in `share_within` [range bins].
     n_bootstrap, seed : int
-        Number of resamples of the images, from which intervals come, and their random seed.
+        Number of resamples of the images, from which the intervals come, and their random seed.
     processes : int
         Number of processes that work at once; scores do not depend on it.
     bin_s : float
-        Range bin [s] of the echograms; layer files need it.
+        Length of a range bin of the echograms [s], two-way; needed for layer files only.
 
     Returns
     -------
     pandas.DataFrame
-        A row for each `image`, then `all` of them, and the `low` and `high` end of its 95 %
-        interval: `ods`, `ois`, `ap`, `threshold` of the best F; `mean_absolute_error_bins`,
-        `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
-        `n_missed_layers`, `n_false_layers`. `ap` is NaN for maps with fewer than 16 distinct values
-        above 0. ``table.attrs["notes"]`` lists notes in sentences: which predictions or truths are
-        missing, which truth has no layer or was thinned, why AP is 0 or not given, whether 8-bit
-        and float maps are mixed, whether the best F is below that of a map with all pixels on.
+        A row for each `image`, one for `all` images, and `low` and `high`, the ends of its 95 %
+        interval. Columns are `ods`, `ois`, `ap` and the `threshold` of the best F;
+        `mean_absolute_error_bins`, `bias_bins`, `share_within` (share of the found pixels) and
+        `share_found` (share of the true pixels); `n_layers`, `n_missed_layers` and
+        `n_false_layers`. `ap` is NaN for maps with fewer than 16 distinct values above 0.
+
+        ``table.attrs["notes"]`` is a list of sentences. They name missing predictions and truths,
+        and truths that have no layer or were thinned. They explain an AP that is 0 or not given,
+        and warn if 8-bit and float maps are mixed, or if the best F is below that of a map with all
+        pixels on.
 
     Raises
     ------
     ValueError
-        In one line: no pairs, sizes or times that differ, no layer in any truth, maps that leave
-        [0, 1], dark layers on bright ground, a map that is the image beside its truth, files that
-        cannot be read.
+        In one line, if there are no pairs, sizes or times differ, no truth has a layer, a map
+        leaves [0, 1] or has dark layers on bright ground, a map is the image beside its truth, or a
+        file cannot be read.
 
     Examples
     --------
@@ -138,21 +142,23 @@ def score_folders(
     as_published = thresholds == "published"
     pairs, left_out = pair_files(predictions, truth, picks=picks)
     with ExitStack() as stack:
-        mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
+        pool = stack.enter_context(ProcessPoolExecutor(processes)) if processes > 1 else None
+        map_function = map if pool is None else pool.map
 
-        def each(function, **settings):
-            steps = mapped(partial(function, **settings), pairs)
-            return list(with_progress(steps, len(pairs), unit="image"))
+        def for_each_pair(function, **settings):
+            results = map_function(partial(function, **settings), pairs)
+            return list(with_progress(results, len(pairs), unit="image"))
 
-        threshold = counts = scored = None
+        threshold = counts = score_counts = None
         if not picks:
             edges = partial(_thin_edges, suppressed=suppressed, as_published=as_published)
-            levels = THRESHOLDS if as_published else thresholds_of(each(_edge_values, edges=edges))
-            counts = each(_count_edges, edges=edges, thresholds=levels, max_dist=tolerance)
-            scored = partial(score, thresholds=levels, as_published=as_published)
+            values = None if as_published else for_each_pair(_edge_values, edges=edges)
+            levels = THRESHOLDS if as_published else thresholds_of(values)
+            counts = for_each_pair(_count_edges, edges=edges, thresholds=levels, max_dist=tolerance)
+            score_counts = partial(score, thresholds=levels, as_published=as_published)
             # Picks need a threshold below 1, which maps of one level do not have.
-            threshold = min(scored(counts)["ods_threshold"], THRESHOLDS[-1])
-        rows = each(
+            threshold = min(score_counts(counts)["ods_threshold"], THRESHOLDS[-1])
+        rows = for_each_pair(
             _pick_errors,
             threshold=threshold,
             bin_s=bin_s,
@@ -165,7 +171,7 @@ def score_folders(
     if len(without_layers) == len(pairs):
         raise refusal(truth, "truth", "at least one layer", "none")
     rng = np.random.default_rng(seed)
-    table = _tabulated(names, counts, scored, rows, n_bootstrap=n_bootstrap, rng=rng)
+    table = _make_table(names, counts, score_counts, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(pairs, left_out, without_layers)
     if not picks:
         notes += _notes_of_maps(counts, pairs, table.iloc[-3]["ods"]) + _leave_out_ap(table, counts)
@@ -184,7 +190,7 @@ def _check_settings(thresholds, numbers):
 
 
 def _notes_of_pairs(pairs, left_out, without_layers):
-    """Notes about files without a partner and about truths without a layer, in sentences."""
+    """Sentences about files without a partner and about truths without a layer."""
     missing = [name for name, prediction, _ in pairs if prediction is None]
     notes = []
     if left_out:
@@ -199,14 +205,14 @@ def _notes_of_pairs(pairs, left_out, without_layers):
 
 
 def _note(words, names, n_all):
-    """Sentence that counts and lists the files it is about."""
+    """Sentence of `words`, with the number and the names of the files that it is about."""
     return f"{words} ({len(names)} of {n_all}): {listed(names)}"
 
 
 def _notes_of_maps(counts, pairs, ods):
-    """Notes about low scores, thick truth and types of the files of maps, in sentences."""
+    """Sentences about low scores, thick truths and mixed file types of maps."""
     notes = []
-    # Every pixel of a constant map is on, and every true pixel finds itself: recall is 1.
+    # With every pixel on, each true pixel is matched by itself: recall is 1.
     n_truth = sum(int(image["n_truth"][0]) for image in counts)
     constant = f_measure(n_truth / sum(image["n_pixels"] for image in counts), 1)
     if ods < constant:
@@ -224,47 +230,47 @@ def _notes_of_maps(counts, pairs, ods):
     if 0 < sum(is_8_bit) < len(is_8_bit):
         notes.append(
             f"{sum(is_8_bit)} of {len(is_8_bit)} maps are 8-bit images, the others floats: their "
-            "ap does not compare, for 8 bits alone can move it by 0.07"
+            "ap cannot be compared, since 8 bits alone can change it by 0.07"
         )
     return notes
 
 
 def _leave_out_ap(table, counts):
-    """Notes about AP; in place, `ap` becomes NaN where maps have too few levels for it.
+    """Sentences about AP; in the table, `ap` is set to NaN for maps with too few levels.
 
-    An empty map has no level, and an AP of 0. The last three rows of the table, of all images,
-    count the levels of all maps together.
+    An empty map has no level, and its AP stays 0. For the last three rows, which are about all
+    images, the levels of all maps are counted together.
     """
     levels = [image["levels"] for image in counts]
     levels += [np.unique(np.concatenate(levels))] * 3
-    is_few = np.array([0 < values.size < LEAST_LEVELS for values in levels])
-    table.loc[is_few, "ap"] = np.nan
+    has_few = np.array([0 < values.size < LEAST_LEVELS for values in levels])
+    table.loc[has_few, "ap"] = np.nan
     notes = []
-    if is_few.any():
+    if has_few.any():
         words = f"no ap of maps with fewer than {LEAST_LEVELS} distinct values above 0"
         names = table["image"].iloc[:-3]
-        notes.append(_note(words, names[is_few[:-3]], len(names)))
-    found = table.iloc[-3]
-    if found["ap"] == 0 < found["ods"]:
+        notes.append(_note(words, names[has_few[:-3]], len(names)))
+    all_images = table.iloc[-3]
+    if all_images["ap"] == 0 < all_images["ods"]:
         notes.append("ap is 0 because recall is the same at every threshold: a curve of one point")
     return notes
 
 
 @dataclass(frozen=True)
 class _Image:
-    """Edge map and truth of one image: a mask one pixel thick, and layers in range bins."""
+    """Edge map of one image, and its truth as a thin mask and as layers in range bins."""
 
     probability: np.ndarray
     mask: np.ndarray
-    thickness: float  # of the layers of the mask before it was thinned [pixels]
+    thickness: float  # median thickness of layers in the mask before it was thinned [pixels]
     layer_bins: np.ndarray
 
 
 def _read_image(prediction, truth):
     """Edge map and truth of one image, from their files.
 
-    Without a prediction the map is empty. It is then as high as the truth, or, if the truth holds
-    layers in range bins, as high as these reach.
+    Without a prediction, the map is empty. It is then as high as the truth. If the truth holds
+    layers in range bins, it ends below the deepest layer.
     """
     probability = None if prediction is None else read_map(prediction)
     shape = None if prediction is None else probability.shape
@@ -280,13 +286,13 @@ def _read_image(prediction, truth):
             found = f"a mean of {on:.2g} on them and {off:.2g} off"
             msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
             raise ValueError(msg)
-    return _Image(probability, *_thinned(mask, layer_bins), layer_bins)
+    return _Image(probability, *_thin_mask(mask, layer_bins), layer_bins)
 
 
-def _thinned(mask, layer_bins):
-    """Mask thinned to the middle of its layers, and their median thickness before [pixels].
+def _thin_mask(mask, layer_bins):
+    """Mask with the middle of each layer only, and the median thickness of layers before [pixels].
 
-    A mask whose layers are one pixel thick in the median is returned as it is.
+    A mask is returned as it is if the median thickness of its layers is one pixel.
     """
     begins = mask.copy()
     begins[1:] &= ~mask[:-1]
@@ -297,7 +303,7 @@ def _thinned(mask, layer_bins):
 
 
 def _thin_edges(probability, prediction, *, suppressed, as_published):
-    """Edge map of one image after non-maximum suppression, which `suppressed` maps do not need."""
+    """Edge map of one image after non-maximum suppression; `suppressed` maps are not changed."""
     if suppressed:
         return probability
     added_curvature = CURVATURE if as_published else 0
@@ -312,7 +318,7 @@ def _edge_values(pair, *, edges):
 
 
 def _count_edges(pair, *, edges, thresholds, max_dist):
-    """Counts of `match_counts` for one image, with what the notes and AP need.
+    """Counts of `match_counts` for one image, with `thickness`, `levels` and `n_pixels` for notes.
 
     `levels` are the lowest distinct values of the map above 0, at most `LEAST_LEVELS`.
     """
@@ -328,10 +334,10 @@ def _count_edges(pair, *, edges, thresholds, max_dist):
 
 
 def _pick_errors(pair, *, threshold, bin_s, **limits):
-    """Errors of picks of one image, as `layer_rows` has them.
+    """Table `layer_rows` of one image, the errors of its picks by layer.
 
-    Picks are followed through the edge map at the threshold; if it is None, they are the
-    prediction.
+    The picks are layers followed through the edge map at `threshold`. If it is None, they are the
+    prediction itself.
     """
     _, prediction, truth = pair
     if threshold is None:
@@ -346,7 +352,7 @@ def _pick_errors(pair, *, threshold, bin_s, **limits):
 def _picks_and_truth(prediction, truth, bin_s):
     """Predicted and true layers of two files in range bins, both (layer, range_line).
 
-    Both are peaks of echoes, or both are interfaces. A missing prediction has no layers.
+    Either both are peaks of echoes, or both are interfaces. A missing prediction has no layers.
     """
     true = read_picks(truth, bin_s)
     if prediction is None:
@@ -372,18 +378,18 @@ def _picks_and_truth(prediction, truth, bin_s):
 
 
 def _lines(picks):
-    """Number and kind of the range lines of picks, for error messages."""
+    """Number and kind of the range lines of picks, in words for error messages."""
     peak_bins = picks.interface_bins if picks.peak_bins is None else picks.peak_bins
     n_lines = peak_bins.shape[1]
     return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
 
 
-def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
+def _make_table(names, counts, score_counts, picks, *, n_bootstrap, rng):
     """Table of `score_folders` from the `match_counts` (or None) and `layer_rows` of each image.
 
-    `scored` is a function from counts to edge scores. `low` and `high` are the 2.5 and 97.5
-    percentiles of resamples of the images, drawn with replacement; they are NaN if there is one
-    image. The `ods` and `ois` of one image are its best F.
+    `score_counts` is a function from counts to edge scores. `low` and `high` are the 2.5th and
+    97.5th percentiles over resamples of the images, drawn with replacement. They are NaN if there
+    is only one image. The `ods` and `ois` of one image are its best F.
     """
     sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
     draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
@@ -394,9 +400,9 @@ def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
     if counts is not None:
         stacked = stack_counts(counts)
         resamples = with_progress(draws, unit="resample")
-        scores = [scored(select_images(stacked, draw)) for draw in resamples]
-        images = _with_edge_scores(images, [scored([image]) for image in counts])
-        whole = _with_edge_scores(whole, [scored(stacked)])
+        scores = [score_counts(select_images(stacked, draw)) for draw in resamples]
+        images = _with_edge_scores(images, [score_counts([image]) for image in counts])
+        whole = _with_edge_scores(whole, [score_counts(stacked)])
         resampled = _with_edge_scores(resampled, scores)
     ends = pd.DataFrame(index=range(2))
     if len(names) > 1:
@@ -407,11 +413,11 @@ def _tabulated(names, counts, scored, picks, *, n_bootstrap, rng):
 
 
 def _errors(sums):
-    """Columns `PICK_SCORES` of sums of `layer_rows`."""
+    """Columns `PICK_SCORES`, from sums of `layer_rows`."""
     return errors_of_sums(sums, bin_size_m=1)[PICK_SCORES]
 
 
 def _with_edge_scores(errors, scores):
-    """Table of errors with edge scores in front: one dict of `score` for each row."""
+    """Table of errors with edge scores in its first columns; `scores` has a dict for each row."""
     edges = pd.DataFrame(scores).rename(columns={"ods_threshold": "threshold"})
     return pd.concat([edges[[*METRICS, "threshold"]], errors], axis=1)

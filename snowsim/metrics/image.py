@@ -5,7 +5,7 @@ from skimage.metrics import structural_similarity
 
 DATA_RANGE = 255
 WINDOW_SIGMA = 1.5  # [pixels]
-WINDOW_RADIUS = 5  # [pixels], 3.5 sigma rounded, where scikit-image ends the window
+WINDOW_RADIUS = 5  # [pixels], 3.5 sigma rounded: scikit-image cuts the window off there
 
 
 def similarity(image, reference):
@@ -78,6 +78,7 @@ def ssim_map(image, reference):
 
 
 def _check_images(image, reference):
+    """ValueError unless two images are uint8, of one size and not smaller than the window."""
     smallest = 2 * WINDOW_RADIUS + 1
     kinds = {np.asarray(image).dtype, np.asarray(reference).dtype}
     shapes = [np.shape(image), np.shape(reference)]

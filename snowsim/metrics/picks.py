@@ -1,6 +1,6 @@
-"""Errors of picks: the true layer of each pick, and sums of errors by layer.
+"""Errors of picks against true layers, and sums of these errors by layer.
 
-Sums can be pooled over many scenes: by training set, by accumulation zone or by depth.
+Sums can be pooled over many scenes, for example by training set, accumulation zone or depth.
 """
 
 import numpy as np
@@ -28,16 +28,15 @@ SUMS = (
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
-    """Errors of picks, and which picks belong to a true layer.
+    """Errors of picks, and a mask of the picks that belong to a true layer.
 
     `picks` and `layer_bins` are (layer, range_line) in range bins. Picks are assigned to layers
-    line by line, without a change of their order. Of all such assignments dynamic programming
-    finds the one with the smallest sum of distances, in which a layer without a pick counts
-    `max_distance_bins`.
+    line by line, and neither changes its order. Dynamic programming finds the assignment with the
+    smallest sum of distances; a layer without a pick counts as a distance of `max_distance_bins`.
 
-    The first result is pick less truth [range bins], in the shape of `layer_bins`, NaN where a
-    layer is absent or has no pick. The second is bool in the shape of `picks`, True where a pick
-    belongs to a layer. Picks that cross are refused, and so are numbers of range lines that differ.
+    The errors are pick less truth [range bins], in the shape of `layer_bins`, NaN where a layer is
+    absent or has no pick. The mask is bool in the shape of `picks`. ValueError if picks cross, or
+    if numbers of range lines differ.
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
@@ -60,14 +59,14 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
 
 @compiled()
 def _align(expected, found, max_distance):
-    """Index in `found` for each entry of `expected`, -1 for none; `match_picks` has the rule.
+    """Index in `found` for each entry of `expected`, or -1, by the rule of `match_picks`.
 
     Both arrays are one range line of bins, ascending.
     """
     n = expected.size
     m = found.size
-    # gain[i, j] is the largest sum of max_distance less distance over the pairs that the first i
-    # of expected and the first j of found can form.
+    # A pair gains max_distance less its distance. gain[i, j] is the largest sum of gains of pairs
+    # among the first i of expected and the first j of found.
     gain = np.zeros((n + 1, m + 1))
     for i in range(1, n + 1):
         for j in range(1, m + 1):
@@ -89,7 +88,7 @@ def _align(expected, found, max_distance):
 
 
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
-    """Table of a scene with one row for each true and each false layer, summed over range lines.
+    """Table of sums over range lines, with a row for each true and each false layer of a scene.
 
     `picks` and `layer_bins` are those of `match_picks`. Layer 0 must be the surface, unless there
     is no layer. A picked layer is false if less than half of its picks belong to true layers.
@@ -100,8 +99,8 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     - `n_true`, `n_found`: number of pixels of the true layer, and of those with a pick;
     - `error`, `absolute_error`: sums of pick less truth and of its absolute value [range bins];
     - `n_within`: number of picks with an error of at most `within_bins`;
-    - `n_thickness`, `thickness_error`, `thickness_absolute_error`: count and sums of errors of the
-      thickness of the slab above, where the layers above and below it have a pick;
+    - `n_thickness`, `thickness_error`, `thickness_absolute_error`: count and sums of errors in the
+      thickness of the slab above, on range lines where both layers that bound it have a pick;
     - `n_picks`: number of picks of a false layer;
     - `n_layers`, `n_missed_layers`, `n_false_layers`: 1 if the row is a true layer, a missed layer
       (picked on less than half of its range lines) or a false layer, else 0.
@@ -146,6 +145,7 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
 
 
 def _finite(values):
+    """Values that are not NaN or infinite."""
     return values[np.isfinite(values)]
 
 
@@ -155,8 +155,9 @@ def pool_picks(rows, by, *, bin_size_m):
     The table has one row for each group, in order of first appearance. Besides `by` its columns
     are:
 
-    - `mean_absolute_error_bins` and `bias_bins`, of layers and of thickness (`thickness_`), and all
-      four in metres (`_m`), with `bin_size_m` of snow in a range bin; NaN if nothing was found;
+    - `mean_absolute_error_bins` and `bias_bins` of layers, the same of thickness with the prefix
+      `thickness_`, and all four in metres with the ending `_m`, where a range bin is `bin_size_m`
+      of snow; NaN if nothing was found;
     - `share_within`, a share of the found pixels, and `share_found`, a share of the true pixels;
     - `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true` and `n_found`.
     """

@@ -1,8 +1,8 @@
 """Edge scores of trackers: suppression to thin edges, one-to-one matching, ODS, OIS and AP.
 
-``match_counts(suppress(prediction), truth, THRESHOLDS)`` counts one image as published. By default
-`thresholds_of` all images that are scored together take the place of `THRESHOLDS`. Counts are
-integers, so images may be counted in any order and in shards; `score` pools them.
+``match_counts(suppress(prediction), truth, THRESHOLDS)`` counts one image as published. By default,
+`thresholds_of` all images that are scored together replaces `THRESHOLDS`. Counts are integers, so
+images may be counted in any order and in shards; `score` pools them.
 """
 
 from snowsim.metrics.edges.counts import THRESHOLDS, match_counts, thresholds_of

@@ -12,11 +12,11 @@ from snowsim.metrics.edges.thinning import (
     thin_pixels,
 )
 
-THRESHOLDS = np.linspace(0.01, 0.99, 99)  # those of the published code
+THRESHOLDS = np.linspace(0.01, 0.99, 99)  # thresholds of the published code
 
 
 def thresholds_of(edges):
-    """Thresholds that follow the scale of the maps: 99 quantiles of their values, ascending.
+    """Thresholds for maps of any scale: 99 quantiles of their values, ascending.
 
     Parameters
     ----------
@@ -26,10 +26,11 @@ def thresholds_of(edges):
     Returns
     -------
     ndarray, (threshold,)
-        A share ``(k / 100)^2`` of the distinct values above 0 is at least the k-th threshold from
-        the top. The smallest share is a ten-thousandth, so that precision is known at small
-        recalls; equal steps would begin at a hundredth. If there are fewer than 99 distinct values,
-        as in some 8-bit maps, thresholds repeat. If all pixels are 0, they are `THRESHOLDS`.
+        Counted from the top, the k-th threshold is reached by a share ``(k / 100)^2`` of the
+        distinct values above 0. The smallest share is a ten-thousandth, so that precision is known
+        at small recalls; equal steps would begin at a hundredth. If there are fewer than 99
+        distinct values, as in some 8-bit maps, thresholds repeat. If all pixels are 0, the result
+        is `THRESHOLDS`.
 
     Examples
     --------
@@ -62,15 +63,15 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     max_dist : float
         Largest distance between the pixels of a pair, as a share of the image diagonal.
     thin : bool
-        Whether to thin every thresholded map to one-pixel lines first, by algorithm A1 of Guo &
-        Hall (1989), Commun. ACM 32. It stops where the Python port of the Berkeley benchmark
+        If True, every thresholded map is first thinned to one-pixel lines by algorithm A1 of Guo &
+        Hall (1989), Commun. ACM 32. Thinning stops where the Python port of the Berkeley benchmark
         (py-bsds500) stops, so that counts compare with published ones.
 
     Returns
     -------
     dict of ndarray of int64, (threshold,)
         `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`. Pairs are one-to-one, so
-        that equally many pixels match on both sides.
+        the two numbers of matched pixels are equal.
 
     Raises
     ------
@@ -83,9 +84,9 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
     -----
     This is the protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26).
     Its minimum-cost assignment with outliers is replaced by the exact maximum-cardinality matching:
-    the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are taken from the
-    highest down, and the matching of each is a repair of the one before. If thinning changes
-    little, all thresholds therefore cost little more than the lowest one.
+    the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are processed from
+    the highest down, and each matching is repaired from the one before. If thinning changes little,
+    all thresholds therefore cost little more than the lowest one.
 
     Examples
     --------
@@ -132,12 +133,13 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
 
 
 def _changes_by_level(framed, levels, thin):
-    """Number of each level from the top down, with the pixels (flat indices) it turns off and on.
+    """Iterator over levels from the top down: number, pixels turned off, pixels turned on.
 
-    The changes are those of the map, thinned if `thin`, from one level to the next.
+    Pixels are flat indices. They differ between the map at this level and at the level above; both
+    maps are thinned if `thin`.
     """
     above_lowest = framed >= levels[0]
-    # The border is no part of the map, although its zeros reach a level of 0 or less.
+    # The border is not part of the map, even if its zeros reach a level of 0 or less.
     above_lowest[[0, -1]] = False
     above_lowest[:, [0, -1]] = False
     pixels = np.flatnonzero(above_lowest)

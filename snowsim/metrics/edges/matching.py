@@ -1,12 +1,13 @@
 """Largest one-to-one matching of predicted to true pixels, exact after each change of the map.
 
-`State` holds the arrays that the compiled functions change in place. Three are the matching:
+`State` holds the arrays that the compiled functions change in place. Three of them are the
+matching:
 
 `mate_of_pixel` (pixel)
-    For every pixel of the flattened map its true pixel, `FREE` where a predicted pixel has none, or
-    `ABSENT` where no pixel is predicted.
+    For every pixel of the flattened map: its true pixel, `FREE` if a predicted pixel has none, or
+    `ABSENT` if the pixel is not predicted.
 `mate_of_truth` (true pixel)
-    For every true pixel its predicted pixel, or `FREE`.
+    For every true pixel: its predicted pixel, or `FREE`.
 `saturated` (true pixel)
     1 where the true pixel belongs to the saturated set S. This set has three properties: every
     member is matched; the neighbours of the mates of S lie in S; the neighbours of every unmatched
@@ -75,7 +76,7 @@ class Matching:
 
 
 def reach_by_column(radius, n_lines):
-    """Largest distance in rows of a pair of pixels, by their distance in columns, (column offset,).
+    """Largest distance in rows of paired pixels, by their distance in columns, (column offset,).
 
     Pairs lie within `radius` [pixels] of each other.
     """
@@ -90,7 +91,7 @@ def _update(
     removed, added, search,
     mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue,
 ):  # fmt: skip
-    """Change in the number of pairs by pixels removed and added; changes the state in place.
+    """Change in the number of pairs by pixels removed and added; updates the state in place.
 
     `search` is the number of the last search before this call.
     """
@@ -117,7 +118,7 @@ def _update(
 
 @compiled(inline="always")
 def _match_truth(freed, search, state):
-    """Find a mate for a true pixel that lost its own: 1 if an augmenting path exists, else 0."""
+    """Find a mate for a true pixel that lost its mate; 1 if there is an augmenting path, else 0."""
     state.seen[freed] = search
     state.back[freed] = FREE
     state.queue[0] = freed
@@ -167,7 +168,7 @@ def _free_pixel_near(here, tail, search, state):
 
 @compiled(inline="always")
 def _match_pixel(pixel, search, state):
-    """Find a mate for an added predicted pixel: 1 if an augmenting path exists, else 0."""
+    """Find a mate for an added predicted pixel; 1 if there is an augmenting path, else 0."""
     here = pixel
     head = tail = 0
     while True:

@@ -12,7 +12,7 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 def stack_counts(counts):
     """Counts of a set of images as a dict of arrays (image, threshold).
 
-    `counts` is a list with the result of `match_counts` for every image, or such a dict already.
+    `counts` is a list of results of `match_counts`, one for each image, or a dict of such arrays.
     """
     if isinstance(counts, dict):
         return {name: np.asarray(counts[name]) for name in COUNTS}
@@ -34,7 +34,7 @@ def score(counts, thresholds=None, *, as_published=False):
     thresholds : array_like, (threshold,), optional
         Thresholds of the counts; only `ods_threshold` needs them.
     as_published : bool
-        In OIS, count an image in which no layer is found at the lowest threshold.
+        In OIS, use the lowest threshold for an image in which no layer is found.
 
     Returns
     -------
@@ -47,8 +47,8 @@ def score(counts, thresholds=None, *, as_published=False):
     Raises
     ------
     ValueError
-        If there is no image, shapes of counts differ, more pixels match than
-        there are, or thresholds differ in number from the counts or decrease.
+        If there is no image, shapes of counts differ, more pixels match than there are, thresholds
+        decrease, or their number is not that of the counts.
 
     Notes
     -----
@@ -60,11 +60,10 @@ def score(counts, thresholds=None, *, as_published=False):
     images without truth.
 
     AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Precision is
-    interpolated linearly at recalls 0, 0.01 ... 1, where thresholds of equal recall are represented
-    by the lowest. Recalls outside those observed are dropped. The sum of up to 101 values is
-    divided by 100, so that AP can reach 1.01. As in the published code, AP is 0 if recall is
-    the same at every threshold: the curve of a perfect map of one level is a point, without an
-    area.
+    interpolated linearly at recalls 0, 0.01 ... 1. Of thresholds with equal recall, the lowest is
+    used. Recalls outside those observed are dropped. The sum of up to 101 values is divided by 100,
+    so that AP can reach 1.01. As in the published code, AP is 0 if recall is the same at every
+    threshold: the curve of a perfect map of one level is a point, without an area.
 
     Examples
     --------

@@ -8,8 +8,8 @@ from snowsim.limits import check_values
 
 SMOOTHING_RADIUS = 1
 ORIENTATION_RADIUS = 4
-BORDER = 5  # [pixels] width of the border in which edges fade
-CURVATURE = 1e-5  # added to the curvature along range lines, the published code's denominator
+BORDER = 5  # [pixels] width of the border within which edges fade
+CURVATURE = 1e-5  # added to the curvature along range lines, as in the published code
 STEEP = 1e150  # stands for the tangent of a right angle; its square is finite
 MARGIN = 1.01  # factor by which a neighbour must be stronger to suppress a pixel
 
@@ -37,8 +37,9 @@ def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
     prediction : array_like, (range_bin, range_line)
         Edge probability in [0, 1].
     added_curvature : float
-        Constant that the published code adds to ``Oxx``, see below. It turns ridges fainter than
-        about 0.001. With 0, a map divided by ten has the same edges, divided by ten.
+        Constant that the published code adds to ``Oxx``, see below. It changes the orientation of
+        ridges fainter than about 0.001. With 0, a map divided by ten has the same edges, divided by
+        ten.
     where : str
         Name of the image, for errors.
 

@@ -8,8 +8,8 @@ from snowsim.compiling import compiled
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1))
 
 
-def _deletable():
-    """Whether each half-step removes a pixel, by the code of its neighbours: bool (2, 256).
+def _deletable_codes():
+    """Table of neighbour codes with which each half-step removes a pixel, bool (2, 256).
 
     Conditions G1-G3 of algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen
     (1992), IEEE TPAMI 14.
@@ -29,7 +29,7 @@ def _deletable():
     return common & np.stack([first, second])
 
 
-DELETABLE = _deletable()
+DELETABLE = _deletable_codes()
 
 
 def neighbour_steps(row_length):
@@ -53,13 +53,11 @@ def switch_on(pixels, on, codes, steps):
 def thin_pixels(pixels, on, codes, steps, deletable):
     """Thin the flattened map `on`, which has a border, and its `codes` in place.
 
-    `pixels` are the flat indices of all pixels that are on.
-
-    Thinning stops once one of the two half-steps removes nothing, as in the Python port of the
-    Berkeley benchmark (py-bsds500). A few pixels more remain than in scikit-image and MATLAB, which
-    stop once neither half-step removes any.
+    `pixels` are the flat indices of all pixels that are on. Thinning stops as soon as one of the
+    two half-steps removes nothing, as in the Python port of the Berkeley benchmark (py-bsds500).
+    scikit-image and MATLAB stop only when both remove nothing, which leaves a few pixels fewer.
     """
-    # Pixels that each half-step has still to visit.
+    # Pixels that each half-step still has to visit.
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)
     queues[:] = pixels
     lengths = np.array([pixels.size, pixels.size])
