@@ -189,10 +189,10 @@ def align_layers(layers, echogram, where="layers"):
     """Layers on the range lines of an echogram, with travel times from its antenna.
 
     `twtt` is interpolated between neighbouring picks. It is NaN where one of the two is missing,
-    and on range lines that are more than `FARTHEST_PICK` line spacings of the layers from the nearest line
-    of the layers. `quality` and `type` are those of the nearest line. Layer files have their own
-    antenna elevation. Where both elevations are known, ``t += 2 (z_echogram - z_layers) / c``, as
-    in the CReSIS toolbox. Messages begin with `where`.
+    and on range lines that are more than `FARTHEST_PICK` line spacings of the layers from the
+    nearest line of the layers. `quality` and `type` are those of the nearest line. Layer files have
+    their own antenna elevation. Where both elevations are known, ``t += 2 (z_echogram - z_layers) /
+    c``, as in the CReSIS toolbox. Messages begin with `where`.
 
     ValueError if the layers do not cover the echogram's time span to within one of their own line
     spacings, if their positions are far from the echogram's, or if a layer lies outside the

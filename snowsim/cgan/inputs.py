@@ -31,7 +31,7 @@ def expected_image(scene):
     echoes = scene.echoes
     if echoes is None:
         msg = (
-            f"scene {scene.name}: expected echoes, which tell how bright it is, got none: "
+            f"scene {scene.name}: expected echoes, from which its brightness follows, got none: "
             "snowsim.labels.echoes_of_layers makes them of layers and statistics"
         )
         raise ValueError(msg)

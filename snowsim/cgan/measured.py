@@ -100,8 +100,8 @@ def draw_batch(generator, ready, settings, *, rng):
 
     size = (settings.n_range_bins, settings.n_range_lines)
     image, _, crop = draw_patches([scene], *size, known=known, rng=rng)
-    # Half a grey level of dither: that observed images are whole numbers must not tell them from
-    # rendered ones.
+    # Half a grey level of dither: otherwise the discriminator would recognise observed images by
+    # their whole numbers.
     dither = rng.random(image.shape, dtype=np.float32) - np.float32(0.5)
     observed = to_signed(image) + torch.from_numpy(dither[:, None] / 127.5)
     inputs, slabs = inputs_of(crop)

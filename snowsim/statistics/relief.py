@@ -58,9 +58,9 @@ def mean_square_changes(depth_bins):
     Layers are (block, layer, range_line). Changes are between lines without a gap of picks: behind
     a gap, a few in a hundred follow another layer. The estimate is robust, as errors of picks have
     heavier tails than layers (Cressie & Hawkins 1980, Math. Geol. 12, 115, for many pairs). A
-    change is not known where fewer than `MINIMUM_BLOCKS` blocks tell, or where two thirds of
-    distances do not change, as of picks in whole bins; below that, rounded layers give .6 to 1.2 of
-    what they change by.
+    change is unknown (NaN) if fewer than `MINIMUM_BLOCKS` blocks measure it, or if two thirds of
+    the distances do not change, which happens with picks in whole bins. With fewer unchanged
+    distances, rounded layers give .6 to 1.2 of their true change.
     """
     change = np.full((MOST_APART, CHANGE_LAGS.size), np.nan)
     for apart in range(1, min(MOST_APART + 1, depth_bins.shape[1])):
@@ -128,10 +128,10 @@ def surface_statistics(summary):
     movement, n_lines = _movement(rows[np.isfinite(rows).all(axis=1)])
     spacing_m = np.median(summary["line_spacing_m"])
     change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in CHANGE_LAGS])
-    told = change > 0
-    shape = 2 * (1 - np.exp(-((CHANGE_LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
-    # What levelling leaves is uniform within a bin: its mean square change is 1 / 6 bins^2.
-    target = 1 - 1 / 6 * (movement > 0) / change[told]
+    known = change > 0
+    shape = 2 * (1 - np.exp(-((CHANGE_LAGS[known] / LENGTHS[:, None]) ** 2))) / change[known]
+    # The rest that levelling leaves is uniform within a bin: its mean square change is 1/6 bins^2.
+    target = 1 - 1 / 6 * (movement > 0) / change[known]
     square = np.maximum((shape**2).sum(axis=1), TINY)
     variance = np.maximum((shape * target).sum(axis=1), 0) / square
     best = (variance**2 * square).argmax()

@@ -13,7 +13,7 @@ from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import check_echogram, check_layers
 from snowsim.limits import check_content, check_count
 
-# Least number of blocks that tell a change over a lag, or the mean of a slab. With fewer the
+# Least number of blocks that give a change over a lag, or the mean of a slab. With fewer, the
 # standard error of a variance is as large as the variance, and a zone is pooled with the others.
 MINIMUM_BLOCKS = 4
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
@@ -115,7 +115,7 @@ def _averaged(power, rows, surface_row, n_groups):
     # A row that only some lines of a group reach would mix depths of different noise and fading.
     often = 2 * np.isfinite(lines).sum(axis=1) >= GROUP_LINES
     averaged = np.where(often, known_mean(lines.astype(float), axis=1), np.nan)
-    # Rows of each group and layer in order of depth, NaN last, of which parts are then held.
+    # Rows of each group and layer, sorted by depth with NaN last, to be split into parts.
     rows = np.sort(rows[:, :n_lines].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1))
     n_picks = np.isfinite(rows).sum(axis=2)
     part = np.arange(GROUP_LINES) * PARTS // np.maximum(n_picks, 1)[:, :, None]

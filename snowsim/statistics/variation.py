@@ -187,8 +187,8 @@ def changed(statistics, variation):
         other["speckle_correlation"].data = of_bins if variation.correlated else 1.0 * (lag == 0)
     for name, value in asdict(variation).items():
         # Files hold no booleans.
-        told = int(value) if isinstance(value, bool) else value
-        other.attrs[f"varied_{name}"] = "flight" if value is None else told
+        number = int(value) if isinstance(value, bool) else value
+        other.attrs[f"varied_{name}"] = "flight" if value is None else number
     if variation.n_looks is not None:
         other.attrs["n_looks"] = variation.n_looks
     return other

@@ -118,7 +118,7 @@ def _row_error(left, right, at_end, at_begin):
 
 
 def _lies_below(start, goal, below, layer):
-    """Whether the layer `goal` lies below the layer `start`, directly or by way of others."""
+    """True if the layer `goal` lies below the layer `start`, directly or by way of others."""
     seen = {start}
     ways = [start]
     while ways:

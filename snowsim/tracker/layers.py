@@ -133,9 +133,9 @@ def _dataset(canonical, numbers, rows, sure):
 
 
 def close_layers(rows):
-    """Where two layers (layer, range_line) are as close as the tracker separates them, or nearly.
+    """Mask of layers (layer, range_line) that the tracker can barely separate from a neighbour.
 
-    Others may lie between these, merged.
+    Between the two, further layers may be merged into them.
     """
     below = pd.DataFrame(rows).bfill().shift(-1).to_numpy() - rows
     above = rows - pd.DataFrame(rows).ffill().shift(1).to_numpy()

@@ -274,7 +274,7 @@ def _trace(end, peaks, taken, before, meets):
 
 @compiled()
 def _uncrossed(q, c, peaks, taken):
-    """Whether no accepted chain passes between candidate q and the later candidate c."""
+    """True if no accepted chain passes between candidate q and the later candidate c."""
     left = peaks.line[q]
     right = peaks.line[c]
     if not _same(taken.above[q], taken.above[c], left, right, taken):
@@ -284,7 +284,7 @@ def _uncrossed(q, c, peaks, taken):
 
 @compiled()
 def _same(beside_left, beside_right, left, right, taken):
-    """Whether the chains beside two candidates are the same, or end before the other's line."""
+    """True if the chains beside two candidates are the same, or end before the other's line."""
     if beside_left == beside_right:
         return True
     if beside_left != NONE and taken.stop[beside_left] >= right:

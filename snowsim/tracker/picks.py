@@ -15,7 +15,7 @@ from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates,
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
 SURFACE_ROWS = 3.0  # a candidate within this distance of the surface is the surface
-MEAN_OVER = (5, 33)  # rows and range lines over which echoes are told from noise
+MEAN_OVER = (5, 33)  # rows and range lines over which power is averaged to find echoes
 # No surface is where power rises most but the network detects nothing. In simulations this holds on
 # at most .06 of the lines, in frames that are upside down on .31 or more.
 UNSEEN_SHARE = 0.2

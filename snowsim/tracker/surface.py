@@ -130,7 +130,7 @@ def _is_far_off(given, found, share, coarseness):
 
 
 def _is_biased(given, found, share, coarseness):
-    """Whether the given surface is near the one found but wrong in the median, see `OFF_BINS`."""
+    """True if the given surface is near the one found but wrong in the median, see `OFF_BINS`."""
     if given.size == 0:
         return False
     off = np.median(found - given) - PEAK_BINS
