@@ -150,13 +150,13 @@ class Tracker:
 
 
 def _warn_of(notes):
-    """Give each note as a warning to the caller of a public function."""
+    """Issue each note as a UserWarning of the calling public function."""
     for note in notes:
         warnings.warn(note, UserWarning, stacklevel=3)
 
 
 def _names(numbers):
-    """Names of layers by their numbers, of which the first is that of the surface."""
+    """Names of layers by number; the first is the surface."""
     return [SURFACE_NAME, *(f"{TRACKED_PREFIX}{number}" for number in numbers[1:])]
 
 

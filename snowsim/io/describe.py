@@ -1,4 +1,4 @@
-"""What a file is: its format, sizes, radar, time and place."""
+"""Description of a file: its format, sizes, radar, time and place."""
 
 from pathlib import Path
 

@@ -31,7 +31,7 @@ class BadFile(ValueError):
 
 
 def refusal(path, what, expected, found):
-    """Error of a bad file: `what` (a variable or part of it), what was expected and what found."""
+    """Error about a bad file: `what` is the variable or part, with expected and found value."""
     return BadFile(f"{what}: expected {expected}, found {found}", path)
 
 
@@ -101,7 +101,7 @@ def picture_format(content):
 
 
 def image_format_of(path):
-    """Which of `PICTURES` a file is by its beginning, None for any other."""
+    """Image format of a file, "PNG" or "JPEG", from its first bytes; None for any other file."""
     with library_errors(path):
         return picture_format(content_of(path, HEAD_BYTES))
 
