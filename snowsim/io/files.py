@@ -145,7 +145,7 @@ def written_whole(path):
 
 
 def _is_running(process):
-    """Whether a process of this computer runs, by its number."""
+    """True if this computer runs a process with this number."""
     try:
         os.kill(process, 0)  # sends nothing
     except (ProcessLookupError, OverflowError):
@@ -182,7 +182,7 @@ def write_bytes(path, content):
 
 
 def _no_room(path, error):
-    """Reason why there was no room on the disk to write a file; None for any other error."""
+    """Message that the disk is full, if that is why a file was not written; else None."""
     free = shutil.disk_usage(path.parent).free
     number = getattr(error, "errno", None)
     if free < FULL_DISK_BYTES or number == errno.ENOSPC:

@@ -93,7 +93,7 @@ def _troubles(table):
 
 
 def check_frames(table, *, bin_s=None, blocks=False, **options):
-    """Table of all frames but those to track, after reading each; with sizes and counts.
+    """Table of all frames, except those to track, with sizes and counts; each is read once.
 
     One ValueError names all frames that fail. `bin_s` and `options` are those of `read_frame`;
     without `bin_s`, all frames must have the same bin size. With `blocks`, all frames but those of

@@ -112,12 +112,12 @@ class PairSet(Sequence):
 
     A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of
     `data_`. Layer number k is row k - 1 of `layer_bins`; numbers that occur nowhere between others
-    leave a row of NaN. A mask alone tells no numbers: the k-th run of pixels from the top of a
+    leave a row of NaN. A mask alone has no numbers: the k-th run of pixels from the top of a
     column is then layer k - 1 there, so below a gap in a layer the deeper ones count up by one;
     positions, and the mask itself, stay exact. A run of several pixels counts at its middle. Where
     both labels are there, they must agree.
 
-    Of a file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m":
+    From a file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m":
     5.2}``, the `notes` of every scene have the same.
     """
 
@@ -190,9 +190,9 @@ class PairSet(Sequence):
 
 
 def read_spacing(folder):
-    """Range bin [s] and line spacing [m] of the images in a folder, one or both; {} if none says.
+    """Range bin [s] and line spacing [m] of the images in a folder, by name; {} if unknown.
 
-    ValueError for other names and for what is no positive number.
+    ValueError for other names and for values that are not positive numbers.
     """
     path = Path(folder) / SPACING_FILE
     if not path.is_file():
@@ -370,8 +370,8 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
             values.append(scene.notes.get(name))
     write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
     alike = {name: values[0] for name, values in spacings.items() if len(set(values)) == 1}
-    if told := {name: value for name, value in alike.items() if value is not None}:
-        write_bytes(folder / SPACING_FILE, f"{json.dumps(told)}\n".encode())
+    if known := {name: value for name, value in alike.items() if value is not None}:
+        write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
     return {"n_scenes": len(names), "n_merged_pixels": n_merged}
 
 

@@ -134,7 +134,7 @@ class Picks:
     """Layers (layer, range_line) in range bins: rows of an image, or, with times, from 0 s on.
 
     The peak of an echo lies below the interface that it comes from, so a layer has up to two
-    places. Layers of which nothing says which place they mark count as peaks, which people pick.
+    places. A layer counts as a peak, which people pick, if its file does not say which it marks.
     """
 
     peak_bins: np.ndarray | None
