@@ -117,8 +117,8 @@ class PairSet(Sequence):
     positions, and the mask itself, stay exact. A run of several pixels counts at its middle. Where
     both labels are there, they must agree.
 
-    From a file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m":
-    5.2}``, the `notes` of every scene have the same.
+    A file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m": 5.2}``,
+    holds numbers that become `notes` of every scene.
     """
 
     def __init__(self, path):
