@@ -138,6 +138,9 @@ def assert_same(found, slow):
         ("tracked", series_of([0.35, 0.62, 1.5], known={0: 1, 1: 2})),
         ("tracked", series_of([0.35, 0.62, 0.95], separable_m=0.15)),
         ("annual", series_of([0.2, 0.52, 1.1])),
+        # The first pick may lie below a hidden horizon, the second may be a crust.
+        ("annual", series_of([0.45, 0.75, 1.05])),
+        ("annual", series_of([0.3, 0.345, 0.65])),
     ],
 )
 def test_probabilities_of_ages_are_those_of_all_sequences_one_by_one(rates, series):
@@ -163,6 +166,18 @@ def test_an_expected_mass_is_a_lognormal_prior():
     found = posterior(series, TRACKED, 0.5, 0.2).age
     # The grid reaches as far with the expected mass as without.
     assert_same(found, slow)
+
+
+def test_six_crusts_between_two_horizons_are_left_out():
+    year_m = 0.15 + 0.3 * np.arange(15)
+    crust_m = year_m[4] + 0.3 * np.arange(1, 7) / 7
+    above_m = np.sort(np.append(year_m, crust_m))
+    series = series_of(above_m, elapsed=0.5, error=0.0)
+    found = posterior(series)
+    expected = np.where(np.isin(above_m, year_m), np.searchsorted(year_m, above_m), -1)
+    assert (stated_ages(found, series.disjoint) == expected).all()
+    # A step of the grid of masses is 5 %.
+    assert_allclose(found.typical_m, 0.3, rtol=0.05)
 
 
 def test_a_long_series_is_dated_without_underflow():
