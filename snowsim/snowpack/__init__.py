@@ -1,8 +1,9 @@
-"""Snow as its users know it: density and depth, what a radar sees of them, accumulation."""
+"""Snow in physical units: density and depth, their radar echoes, and accumulation."""
 
 import lazy_loader
 
-# Functions and classes by their module, loaded at first use: who checks settings needs firn alone.
+# Functions and classes by their module. They are loaded at first use, so that the schema, which
+# needs firn alone, loads no other module.
 FACE = {
     "physical": ["Climate", "PRESETS", "Radar", "Snowpack", "physical_parameters"],
     "profile": ["Reflectors", "combine"],

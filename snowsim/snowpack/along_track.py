@@ -8,10 +8,10 @@ from scipy.signal import oaconvolve
 def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
     """Draw smooth stationary series of zero mean and unit variance, (series, range_line).
 
-    Their correlation is Gaussian, ``exp(-(lag / correlation_lines)^2)``. Series are white if that
-    length is below half a range line.
+    Their correlation is Gaussian, ``exp(-(lag / correlation_lines)^2)``. Series are white if
+    `correlation_lines` is below .5.
     """
-    # White noise that a Gaussian of standard deviation s smooths has the correlation length 2 s.
+    # White noise, smoothed by a Gaussian of standard deviation s, has the correlation length 2 s.
     width = correlation_lines / 2
     margin = int(np.ceil(4 * width))
     noise = rng.standard_normal((n_series, n_lines + 2 * margin))

@@ -1,4 +1,4 @@
-"""Depth and mass below the surface of snow of one density, of a profile, or of firn."""
+"""Depth and mass below the snow surface, for one density, for a profile, or for firn."""
 
 from dataclasses import dataclass
 
@@ -13,10 +13,10 @@ from snowsim.snowpack.firn import (
 )
 from snowsim.snowpack.profile import interfaces
 
-DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
-GREENLAND = ((59, 84), (-74, -10))  # latitude and longitude [deg]
-DEEPEST_M = 500.0  # depth at which snow of one density ends
-DEEPEST_WATER_M = 200.0  # mass above the depth at which Herron & Langway's firn ends
+SNOW_DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
+GREENLAND_LIMITS_DEG = ((59, 84), (-74, -10))  # latitude and longitude
+DEEPEST_M = 500.0  # snow of one density ends at this depth
+DEEPEST_FIRN_M_WE = 200.0  # Herron & Langway's firn ends below this mass
 
 
 def temperature_k_of(layers):
@@ -29,7 +29,7 @@ def temperature_k_of(layers):
     temperature_k = float(temperature_fausto09(ground_m, latitude, longitude).median())
     inside = [
         low < np.nanmedian(degrees) < high
-        for degrees, (low, high) in zip((latitude, longitude), GREENLAND, strict=True)
+        for degrees, (low, high) in zip((latitude, longitude), GREENLAND_LIMITS_DEG, strict=True)
     ]
     if not (all(inside) and np.isfinite(temperature_k)):
         msg = (
@@ -42,7 +42,7 @@ def temperature_k_of(layers):
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """Depth [m] and the mass above it [m w.e.], (sample,), down to where density is known."""
+    """Depth [m] and the mass above it [m w.e.], (sample,), down to the end of the density."""
 
     depth_m: np.ndarray
     water_m: np.ndarray
@@ -53,12 +53,16 @@ class Column:
         return travel_time_s(self.depth_m, self.water_m)
 
     def at(self, values, below_s):
-        """Values (sample,) at travel times below the surface [s], NaN beyond the end."""
+        """Values (sample,) at travel times below the surface [s], NaN below the column's end."""
         return np.interp(below_s, self.twtt_s, values, right=np.nan)
 
 
 def column_of(density, temperature_k, mean_m):
-    """`Column` of snow of one density, of a profile, or of firn under a mean accumulation."""
+    """`Column` of one density [kg m-3], of a profile, or of firn.
+
+    Firn has a temperature [K], and `density` at its surface; `mean_m` is its mean accumulation
+    [m w.e. / yr].
+    """
     if hasattr(density, "density_kg_m3"):
         if temperature_k is not None:
             msg = "temperature_k: expected none beside a profile, whose density is known at depth"
@@ -66,17 +70,17 @@ def column_of(density, temperature_k, mean_m):
         upper_m, density_kg_m3 = interfaces(
             density.depth_m, density.density_kg_m3, density.thickness_m
         )
-        check_values("profile: density [kg m-3]", density_kg_m3, *DENSITIES_KG_M3)
+        check_values("profile: density [kg m-3]", density_kg_m3, *SNOW_DENSITIES_KG_M3)
         # The last sample extends as far below its middle as above it.
         depth_m = np.append(upper_m, 2 * density.depth_m[-1] - upper_m[-1])
         slab_m = density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
         return Column(depth_m, np.append(0, np.cumsum(slab_m)))
-    check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
+    check_values("density [kg m-3]", density, *SNOW_DENSITIES_KG_M3, number=True)
     if temperature_k is None:
         depth_m = np.array([0, DEEPEST_M])
         return Column(depth_m, depth_m * density / WATER_DENSITY_KG_M3)
     check_values("temperature_k", temperature_k, 200, 273.15, number=True)
     check_values("density of the surface [kg m-3]", density, 50, 549)
     # Samples are finest near the surface, where density changes fastest.
-    water_m = np.linspace(0, np.sqrt(DEEPEST_WATER_M), 2000) ** 2
+    water_m = np.linspace(0, np.sqrt(DEEPEST_FIRN_M_WE), 2000) ** 2
     return Column(depth_herron_langway80(water_m, mean_m, temperature_k, density), water_m)

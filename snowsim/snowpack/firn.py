@@ -12,7 +12,7 @@ from snowsim.constants import (
     WATER_DENSITY_KG_M3,
 )
 
-CRITICAL_DENSITY_KG_M3 = 550.0  # between the two stages of Herron & Langway (1980)
+CRITICAL_DENSITY_KG_M3 = 550.0  # divides the two stages of Herron & Langway (1980)
 
 
 def rates_herron_langway80(temperature_k):
@@ -28,19 +28,18 @@ def rates_herron_langway80(temperature_k):
 def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
     """Steady-state density [kg m-3] under a mass of snow `water_m` [m w.e.].
 
-    That mass is accumulation times age.
-
     ``d rho / d age = k0 A (rho_ice - rho)`` below the critical density of 550 kg m-3 and ``k1 A^1/2
-    (rho_ice - rho)`` above, A the mean accumulation [m w.e. / yr]: Herron & Langway (1980), J.
-    Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice. The
-    surface must be less dense than the critical density.
+    (rho_ice - rho)`` above, with the mean accumulation A [m w.e. / yr]: Herron & Langway (1980), J.
+    Glaciol. 25, 373-385. The mass `water_m` is A times the age, so that both stages integrate to an
+    exponential approach to ice. The surface must be less dense than the critical density.
     """
     water_m = np.asarray(water_m, dtype=float)
     stages = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
     ice = ICE_DENSITY_KG_M3
     first = ice - (ice - surface_density_kg_m3) * np.exp(-stages.k0 * water_m)
     beyond_m = np.maximum(water_m - stages.critical_water_m, 0)
-    second = ice - (ice - CRITICAL_DENSITY_KG_M3) * np.exp(-stages.k1 * stages.ratio * beyond_m)
+    second_rate = stages.k1 * stages.inverse_root
+    second = ice - (ice - CRITICAL_DENSITY_KG_M3) * np.exp(-second_rate * beyond_m)
     return np.where(water_m < stages.critical_water_m, first, second)
 
 
@@ -60,17 +59,22 @@ def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_densi
     critical = _logit(CRITICAL_DENSITY_KG_M3)
     critical_depth_m = (critical - at_surface) / (ice * stages.k0)
     first = (_logit(density) - at_surface) / (ice * stages.k0)
-    second = critical_depth_m + (_logit(density) - critical) / (ice * stages.k1 * stages.ratio)
+    second_rate = ice * stages.k1 * stages.inverse_root
+    second = critical_depth_m + (_logit(density) - critical) / second_rate
     return np.where(np.asarray(water_m) < stages.critical_water_m, first, second)
 
 
 @dataclass(frozen=True)
 class Stages:
-    """Both stages of densification: rate constants, A^-1/2, and the mass [m w.e.] in the first."""
+    """Parameters of both stages of densification.
+
+    `k0` and `k1` are the rate constants, `inverse_root` is A^-1/2, and `critical_water_m` is the
+    mass of the first stage [m w.e.].
+    """
 
     k0: float
     k1: float
-    ratio: float
+    inverse_root: float
     critical_water_m: float
 
 
@@ -82,7 +86,7 @@ def _stages(accumulation_m, temperature_k, surface_density_kg_m3):
 
 
 def temperature_fausto09(elevation_m, latitude, longitude):
-    """Annual mean air temperature over Greenland [K]; latitude and longitude in degrees N and E.
+    """Annual mean air temperature over Greenland [K], from degrees north and east.
 
     ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
     As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
@@ -95,10 +99,10 @@ def _logit(density_kg_m3):
 
 
 def refractive_index_kovacs95(density_kg_m3):
-    """Refractive index of dry snow, an array of the shape of the densities [kg m-3].
+    """Refractive index of dry snow, in the shape of the densities [kg m-3].
 
-    ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in g cm-3: Kovacs, Gow & Morey
-    (1995), Cold Reg. Sci. Technol. 23, 245-256.
+    ``n = 1 + 0.845 rho``, rho in g cm-3, is the square root of the permittivity: Kovacs, Gow &
+    Morey (1995), Cold Reg. Sci. Technol. 23, 245-256.
     """
     return 1 + KOVACS_M3_KG * np.asarray(density_kg_m3, dtype=float)
 

@@ -1,4 +1,4 @@
-"""Ages of the layers of a track: its picks as one series, and what the posterior says of each."""
+"""Ages of the layers of a track, by the posterior of its picks as one series."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ import pandas as pd
 from snowsim.limits import check_count
 from snowsim.snowpack.dating import (
     ANNUAL,
-    MOST_SKIPPED,
+    MOST_CRUSTS_IN_A_ROW,
     TRACKED,
     Posterior,
     Series,
@@ -19,123 +19,132 @@ from snowsim.snowpack.dating import (
 )
 
 YEAR_DAYS = 366
-NINE_OF_TEN = 1.645  # standard deviations to either side that hold nine of ten
-TAILS = (0.05, 0.95)  # between which nine of ten lie
-MOST_LINES = 1000  # range lines of two layers whose median distance is taken
-N_POLISH = 3  # rounds of medians by layer and by line; assumed, not measured
-CONTRADICTION = 4  # factor of mass, over the typical one, from which on years of names are refused
-NOTED = 2  # factor of the typical mass over the expected one, from which on it is said
-# Nothing is dated where a typical year has, with more than this probability, less than so many
-# times the mass between layers that the tracker separates: of six simulations of .05 m w.e. a year
-# (1.1 times) four or five, of .1 m (1.9 times) none.
-RESOLVED, UNRESOLVED = 1.5, 0.04
-LEAST_MASS = 1e-3  # of spans between layers, in typical spans
+NINE_IN_TEN_SD = 1.645  # a Gaussian lies within so many standard deviations in nine of ten cases
+NINE_IN_TEN_QUANTILES = (0.05, 0.95)  # nine of ten cases lie between these quantiles
+MOST_COMPARED_LINES = 1000  # the median distance of two layers is that on at most so many lines
+N_MEDIAN_ROUNDS = 3  # rounds of medians by layer and by line; assumed, not measured
+# Named layers are refused if the mass of a year between them is more than so many times the typical
+# one, or less than it divided by this.
+REFUSED_FACTOR = 4
+# A warning is given if the typical mass and the expected one differ by more than this factor.
+NOTED_FACTOR = 2
+# A typical year is resolved if it has at least so many times the mass that the tracker separates.
+# Nothing is dated if it is unresolved with more than the second number as probability: this holds
+# for four or five of six simulations of .05 m w.e. a year (1.1 times), for none of .1 m (1.9).
+LEAST_RESOLVED, MOST_UNRESOLVED = 1.5, 0.04
+LEAST_SPAN = 1e-3  # least mass between two layers, in typical spans
 
 
 @dataclass(frozen=True, eq=False)
 class Dated:
     """Ages of the layers of a track, the surface first.
 
-    `last_autumn` is the year of age 0. By layer: `age`, in years before it, -1 of the surface and
-    of layers that are no horizon; `sure`, the probability that the layer is the horizon of this
-    age; `low` and `high`, between which nine of ten lie. `found` is the posterior of the layers
-    below the surface, `above_m` the mass above them in the series. `resolved` is False where the
-    tracker may not separate years: then no layer is dated.
+    `last_autumn` is the year of age 0. `age` (layer,) counts years before the last autumn, and is
+    -1 for the surface and for crusts; `sure` (layer,) is the probability that the layer is the
+    horizon of this age; `age_low` and `age_high` (layer,) are the limits of nine ages in ten.
+    `posterior` and the mass above, `above_m`, are those of the layers below the surface.
+    `resolved` is False if the tracker may not separate years: then no layer is dated.
     """
 
     last_autumn: int
     age: np.ndarray
     sure: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    found: Posterior
+    age_low: np.ndarray
+    age_high: np.ndarray
+    posterior: Posterior
     above_m: np.ndarray
     resolved: bool
 
     @property
     def first(self):
-        """The first layer below the surface that is a horizon."""
+        """Number of the first layer below the surface that is a horizon."""
         return 1 + int(np.argmax(self.age[1:] >= 0))
 
     @property
     def typical_m(self):
         """Mass of a typical year [m w.e.]."""
-        return self.found.typical_m
+        return self.posterior.typical_m
 
     @property
     def scatter(self):
         """Standard deviation of the logarithm of a year's mass."""
-        return self.found.scatter
+        return self.posterior.scatter
 
-    def spread(self, upper, lower):
-        """Quantiles `TAILS` of the accumulation between two layers, over that by stated ages.
+    def relative_limits(self, upper, lower):
+        """Limits of the accumulation between two layers, divided by that of the stated ages.
 
-        Mixture, by mass, of what all sequences of horizons have between these two.
+        They hold nine of ten cases. All spans of all sequences of horizons count, each by its
+        probability and by the mass that it has between the two layers.
         """
         top_m, base_m = self.above_m[[upper - 1, lower - 1]]
         stated = (base_m - top_m) / (self.age[lower] - self.age[upper])
-        rates, weights = [], []
-        for above, below, years, probability in self.found.spans:
+        yearly_m, weights = [], []
+        for above, below, years, probability in self.posterior.spans:
             begin_m = self.above_m[above] if above >= 0 else 0.0
             within_m = min(base_m, self.above_m[below]) - max(top_m, begin_m)
             if within_m > 0 and years > 0:
-                rates.append((self.above_m[below] - begin_m) / years)
+                yearly_m.append((self.above_m[below] - begin_m) / years)
                 weights.append(probability * within_m)
-        if not rates:  # medians over different parts of the track are in another order
+        if not yearly_m:  # medians over different parts of the track are in another order
             return [1.0, 1.0]
-        rates, weights = np.array(rates), np.array(weights)
-        return [quantile(rates, weights, share) / stated for share in TAILS]
+        yearly_m, weights = np.array(yearly_m), np.array(weights)
+        return [quantile(yearly_m, weights, share) / stated for share in NINE_IN_TEN_QUANTILES]
 
 
-def dated(water_m, picks, year, annual, expected, apart_m):
-    """`Dated` from the mass above picks (layer, range_line) [m w.e.], the surface first.
+def date_layers(water_m, picks, year, annual, expected, separable_m):
+    """`Dated` layers, from the mass above their picks (layer, range_line) [m w.e.].
 
-    The tracker separates layers from `apart_m` of snow on.
+    The tracker separates layers with at least `separable_m` [m w.e.] between them.
     """
     last_autumn = picks.flown.year - 1
-    is_named = hasattr(year, "items")
-    of_first = {} if year is None else {str(picks.names[1]): year}
-    given = given_years(picks, year if is_named else of_first)
-    known = {layer - 1: last_autumn - told for layer, told in given.items()}
-    series = replace(series_of(water_m, picks, known), apart_m=apart_m)
+    by_name = year if hasattr(year, "items") else {str(picks.names[1]): year}
+    given = years_by_layer(picks, {} if year is None else by_name)
+    known = {layer - 1: last_autumn - given_year for layer, given_year in given.items()}
+    series = replace(median_series(water_m, picks, known), separable_m=separable_m)
     rates = ANNUAL if annual else TRACKED
-    expected_m, _ = expected
+    expected_m, expected_error = expected
     if len(known) > 1 or expected_m is not None:
-        alone = posterior(replace(series, known={}), rates).typical_m
-        _check_years(series, alone, given)
-        _note_expected(expected_m, alone)
-    found = posterior(series, rates, *expected)
-    if annual:
+        by_layers_m = posterior(replace(series, known={}), rates).typical_m
+        _check_years(series, by_layers_m, given)
+        if expected_m and abs(np.log(by_layers_m / expected_m)) > np.log(NOTED_FACTOR):
+            warnings.warn(
+                f"expected_m: {expected_m:g} m w.e. a year were expected, by the layers alone a "
+                f"typical year has {by_layers_m:.2g}",
+                stacklevel=3,
+            )
+    found = posterior(series, rates, expected_m, expected_error)
+    if annual and given:
+        age = last_autumn - consecutive_years(len(picks.names), given)
+    elif annual:
         age = np.arange(series.above_m.size)
-        if given:
-            age = last_autumn - in_order(len(picks.names), given)
     else:
-        age = stated_ages(found, series.apart)
-    resolved = annual or bool(known) or found.below(RESOLVED * apart_m) < UNRESOLVED
+        age = stated_ages(found, series.disjoint)
+    resolved = annual or bool(known) or found.below(LEAST_RESOLVED * separable_m) < MOST_UNRESOLVED
     if not resolved:
         age = np.full(age.size, -1)
     sure = np.where(age >= 0, found.age[np.arange(age.size), age], np.nan)
     sure[list(known)] = 1  # but for rounding
-    sure = falling(sure, list(known))
-    low, high = limits(found.age)
+    younger = np.cumsum(found.age, axis=1)
+    younger /= np.maximum(younger[:, -1:], np.finfo(float).tiny)
+    low, high = ((younger < share).sum(axis=1) for share in NINE_IN_TEN_QUANTILES)
     surface = [-1.0]
     return Dated(
         last_autumn,
-        np.append(-1, age),
-        np.append(1.0, sure),
-        np.append(surface, np.minimum(low, age)),
-        np.append(surface, np.maximum(high, age)),
-        found,
-        series.above_m,
-        resolved,
+        age=np.append(-1, age),
+        sure=np.append(1.0, only_falling(sure, list(known))),
+        age_low=np.append(surface, np.minimum(low, age)),
+        age_high=np.append(surface, np.maximum(high, age)),
+        posterior=found,
+        above_m=series.above_m,
+        resolved=resolved,
     )
 
 
-def falling(sure, named):
-    """Probabilities (layer,) that rise nowhere but towards a named layer.
+def only_falling(sure, named):
+    """Probabilities (layer,), lowered where they rise downwards but not towards a named layer.
 
-    Of a layer between two that are named, or the surface and one, the doubt is the lesser of what
-    lies above it and what lies below it.
+    An age follows from the nearest certain ages above and below, those of the surface or of named
+    layers. The smallest probability on the way to one of the two limits it; the better way counts.
     """
     down, up = sure.copy(), np.zeros_like(sure)
     start = 0
@@ -147,47 +156,43 @@ def falling(sure, named):
     return np.where(np.isnan(sure), np.nan, np.maximum(down, up))
 
 
-def limits(age):
-    """Ages between which nine of ten of each pick's horizon lie, from (pick, age)."""
-    below = np.cumsum(age, axis=1)
-    below /= np.maximum(below[:, -1:], np.finfo(float).tiny)
-    return tuple((below < share).sum(axis=1) for share in TAILS)
+def median_series(water_m, picks, known):
+    """`Series` of the mass above picks (layer, range_line) [m w.e.], by medians along track.
 
-
-def series_of(water_m, picks, known):
-    """`Series` of the mass above picks (layer, range_line), medians over lines that have both.
-
-    Accumulation changes along track: masses are taken over a factor by range line, the median over
-    layers of their mass over that of the layer. Where no line has two layers, their distance is
-    that of their medians.
+    Accumulation changes along track, so masses are divided by a factor of their range line. The
+    mass between two layers is the median over the lines that have both; without such a line it is
+    the difference of the layers' medians.
     """
-    level_m, above_m = _level(water_m[1:])
+    level_m, above_m = _without_line_factors(water_m[1:])
     n_layers = len(level_m)
     span_m = above_m - above_m[:, None]
     there = np.isfinite(level_m)
-    apart = ~(there[:, None] & there).any(axis=2)
-    reach = n_layers if known else MOST_SKIPPED + 2
+    disjoint = ~(there[:, None] & there).any(axis=2)
+    reach = n_layers if known else MOST_CRUSTS_IN_A_ROW + 2
     for upper in range(n_layers):
         for lower in range(upper + 1, min(n_layers, upper + reach)):
             lines = np.flatnonzero(there[upper] & there[lower])
             if lines.size:
-                lines = lines[:: 1 + lines.size // MOST_LINES]
+                lines = lines[:: 1 + lines.size // MOST_COMPARED_LINES]
                 span_m[upper, lower] = np.median(level_m[lower, lines] - level_m[upper, lines])
-    least_m = LEAST_MASS * np.median(np.abs(np.diff(above_m))) if n_layers > 1 else 0
-    span_m = np.where(apart, span_m, np.maximum(span_m, least_m))
+    least_m = LEAST_SPAN * np.median(np.abs(np.diff(above_m))) if n_layers > 1 else 0
+    span_m = np.where(disjoint, span_m, np.maximum(span_m, least_m))
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = picks.error_s[1:] / picks.below_s[1:]
-    error_m = above_m * np.nan_to_num(_median(relative)) / NINE_OF_TEN
+    error_m = above_m * np.nan_to_num(_median(relative)) / NINE_IN_TEN_SD
     elapsed = picks.flown.day_of_year / YEAR_DAYS
     sure = 1 - _median(picks.doubt[1:])
-    return Series(above_m, span_m, error_m, apart, sure, elapsed, known)
+    return Series(above_m, span_m, error_m, disjoint, sure, elapsed, known)
 
 
-def _level(below_m):
-    """Masses (layer, range_line) over the factor of their line, and their medians by layer."""
+def _without_line_factors(below_m):
+    """Masses (layer, range_line), divided by a factor of their line, and their medians by layer.
+
+    The factor is the median over layers of a mass divided by its layer's median.
+    """
     log_m = pd.DataFrame(np.log(below_m))
     of_layer = log_m.median(axis=1)
-    for _ in range(N_POLISH):
+    for _ in range(N_MEDIAN_ROUNDS):
         of_line = log_m.sub(of_layer, axis=0).median()
         of_line -= of_line.median()
         of_layer = log_m.sub(of_line, axis=1).median(axis=1)
@@ -198,12 +203,12 @@ def _median(values):
     return pd.DataFrame(values).median(axis=1).to_numpy()
 
 
-def given_years(picks, year):
-    """Years by the number of the layer that is named so, downwards."""
+def years_by_layer(picks, year):
+    """Years that the user gave, by the number of the layer, from the uppermost down."""
     for each in year.values():
         check_count("year", each, 0)
     given = {layer: year[name] for layer, name in enumerate(picks.names) if name in year}
-    flown = picks.flown.year  # of the surface; the last autumn is of the year before
+    flown = picks.flown.year  # year of the surface; the last autumn is that of the year before
     falls = np.diff([flown, *given.values()]) < 0
     if len(given) != len(year) or 0 in given or not falls.all():
         msg = (
@@ -214,8 +219,8 @@ def given_years(picks, year):
     return given
 
 
-def in_order(n_layers, given):
-    """Years of all layers below the surface, each older than the one above, but for those given."""
+def consecutive_years(n_layers, given):
+    """Years of all layers below the surface: each layer is one year older than the one above."""
     layers, years = np.array(list(given.items())).T
     more = -np.diff(layers + years)
     if (np.diff(layers)[more != 0] > 1).any():
@@ -228,24 +233,14 @@ def in_order(n_layers, given):
     return np.interp(every, layers, layers + years).astype(int) - every
 
 
-def _note_expected(expected_m, typical_m):
-    """Say where layers alone contradict the expected mass of a year."""
-    if expected_m is not None and abs(np.log(typical_m / expected_m)) > np.log(NOTED):
-        warnings.warn(
-            f"expected_m: {expected_m:g} m w.e. a year were expected, by the layers alone a "
-            f"typical year has {typical_m:.2g}",
-            stacklevel=5,
-        )
-
-
 def _check_years(series, typical_m, given):
-    """Refuse given years between which lies far more or less snow than typical."""
+    """Refuse given years if far more or less snow than typical lies between them."""
     picks = list(series.known)
-    told = -np.diff(list(given.values()))
+    years = -np.diff(list(given.values()))
     found = series.span_m[picks[:-1], picks[1:]] / typical_m
-    if ((found < told / CONTRADICTION) | (found > told * CONTRADICTION)).any():
+    if ((found < years / REFUSED_FACTOR) | (found > years * REFUSED_FACTOR)).any():
         msg = (
-            f"year: from name to name {told} years contradict their snow, that of "
+            f"year: from name to name {years} years contradict their snow, that of "
             f"{found.round(1)} typical years"
         )
         raise ValueError(msg)

@@ -1,4 +1,4 @@
-"""Radars and snow in physical units, and the terms of eq. (1) that they make."""
+"""Radars and snow in physical units, and the terms of eq. (1) that follow from them."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -22,25 +22,28 @@ from snowsim.snowpack.firn import (
 )
 from snowsim.snowpack.profile import Sweep, combine, interfaces
 
-LEAST_USED = 0.05  # of the sweep by its window; below, samples of the window are too few
+# Least share of the sweep that a window uses; a narrower window would have too few samples.
+LEAST_SHARE_OF_SWEEP = 0.05
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
-SWEPT = slice(64, None, 128)  # of these, the 32 that a profile's echoes are summed over
-TAIL_DB = 15.0  # over which an exponential stands for the tail
+# Of these frequencies, the 32 that a profile's echoes are summed over.
+COMBINED_FREQUENCIES = slice(64, None, 128)
+TAIL_DB = 15.0  # an exponential replaces the tail of an echo over this fall of power
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
-MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
-# Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
+# Range cells in a range bin; with 1.5, a peak midway between two bins is 8 dB low in both.
+MOST_CELLS = 1.5
+# Loss to reflections above, from which on multiples, which are neglected, would add 1 dB.
 MOST_LOST_DB = 4.0
-# Limits of radars, in hertz: numbers in GHz are below.
-RADARS = {"centre_hz": (1e6,), "bandwidth_hz": (1e6,), "beamwidth_deg": (0, 120)}
-# Densities of snow in kg m-3: numbers in g cm-3 are below.
-DENSITIES_KG_M3 = (1.0, ICE_DENSITY_KG_M3)
-# Undulations as in the reference flight.
-DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
-DRIFT_LENGTH_M = 3000.0  # along track
-DENSITY_LENGTH_M = 900.0
-# What a climate may be, far beyond what dry snow is known from: else the firn is ice, or layers
-# vanish, in rounding.
-CLIMATES = {
+# Limits of radars. Those in hertz refuse numbers in GHz.
+RADAR_LIMITS = {"centre_hz": (1e6,), "bandwidth_hz": (1e6,), "beamwidth_deg": (0, 120)}
+# Limits of density, which refuse numbers in g cm-3.
+LAYER_DENSITIES_KG_M3 = (1.0, ICE_DENSITY_KG_M3)
+# Variations along track, as in the reference flight.
+DRIFT_SD = 0.1  # standard deviation of the logarithm of a year's accumulation along track
+DRIFT_LENGTH_M = 3000.0  # correlation length of that accumulation
+DENSITY_LENGTH_M = 900.0  # correlation length of density
+# Limits of climates, far beyond those where dry snow is known. Outside them firn is ice, or layers
+# vanish, by rounding.
+CLIMATE_LIMITS = {
     "accumulation_m": (0.001, 10),
     "variability": (0, 2),
     "n_years": (1, 1000),
@@ -52,15 +55,31 @@ CLIMATES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Radar:
-    """An airborne radar that looks straight down; `preset` has some that fly.
+    """An airborne radar that looks straight down; `preset` returns radars in use.
 
-    `centre_hz`, `bandwidth_hz` [Hz] and `window`, as `scipy.signal.get_window` names it, are those
-    of the processed sweep; two-way travel time of a range bin `bin_s` [s]; `widening` of the range
-    response over the window's; antenna over the snow `height_m` [m]; its two-sided 3 dB beam
-    `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
-    `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB].
-    ValueError where one is not positive, bins are so short that speckle is alike over 16 of them,
-    or longer than 1.5 range cells.
+    ValueError if a number is not positive, bins are so short that speckle is correlated over 16 of
+    them, or bins are longer than 1.5 range cells.
+
+    Attributes
+    ----------
+    centre_hz, bandwidth_hz : float
+        Centre and bandwidth of the processed sweep [Hz].
+    bin_s : float
+        Two-way travel time of a range bin [s].
+    window : str or tuple
+        Window of the sweep, as `scipy.signal.get_window` names it.
+    widening : float
+        Width of the range response, divided by that of the window.
+    height_m : float
+        Height of the antenna above the snow [m].
+    beamwidth_deg : float
+        Two-sided 3 dB width of the Gaussian beam, below 120 [degrees].
+    n_looks : float
+        Number of looks averaged into a range line.
+    line_spacing_m : float
+        Distance between range lines [m].
+    surface_to_noise_db : float
+        Peak of the mean surface echo over the noise [dB].
     """
 
     centre_hz: float
@@ -78,12 +97,12 @@ class Radar:
         for name, value in vars(self).items():
             if name != "window":
                 what = f"radar: {name}" + " in hertz" * name.endswith("_hz")
-                check_values(what, value, *RADARS.get(name, (0,)), above=True, number=True)
+                check_values(what, value, *RADAR_LIMITS.get(name, (0,)), above=True, number=True)
         used = self.widening / (self.cell_s * self.bandwidth_hz)
         together = {
             # The sweep begins above 0 Hz.
             "bandwidth_hz": (self.bandwidth_hz, 0, np.nextafter(2 * self.centre_hz, 0)),
-            f"share of the sweep that window {self.window} uses": (used, LEAST_USED),
+            f"share of the sweep that window {self.window} uses": (used, LEAST_SHARE_OF_SWEEP),
             f"bin_s, up to {MOST_CELLS:g} range cells,": (self.bin_s, 0, MOST_CELLS * self.cell_s),
         }
         for what, within in together.items():
@@ -97,13 +116,13 @@ class Radar:
 
     @classmethod
     def preset(cls, name, **changes):
-        """One of `PRESETS` with changes; ValueError with their names where there is none."""
+        """One of `PRESETS` with changes; ValueError that lists their names for any other name."""
         check_choice("radar", name, PRESETS)
         return replace(PRESETS[name], **changes)
 
     def _weight(self):
         """The window over the sweep, (`N_FREQUENCIES`,)."""
-        # Periodic, as for transforms; this one exists as symmetric alone.
+        # Windows are periodic, as for transforms; Kaiser-Bessel's exists only as symmetric.
         name = self.window if isinstance(self.window, str) else self.window[0]
         return get_window(self.window, N_FREQUENCIES, fftbins=name != "kaiser_bessel_derived")
 
@@ -114,7 +133,7 @@ class Radar:
 
     @property
     def cell_s(self):
-        """Range cell [s]: equivalent width of the response to power.
+        """Range cell [s]: the equivalent width of the range response in power.
 
         ``mean(w^2) / mean(w)^2 / B``, Hann 1.5 / B: Harris (1978), Proc. IEEE 66, 51-83.
         """
@@ -124,18 +143,21 @@ class Radar:
 
     @property
     def sweep(self):
-        """Frequencies as `snowsim.snowpack.combine` takes them, of the range response's band."""
+        """Frequencies of the range response's band, as `snowsim.snowpack.combine` takes them."""
         frequency_hz = self.centre_hz + self._offsets_hz()
-        return Sweep(frequency_hz[SWEPT], self._weight()[SWEPT], self.cell_s)
+        return Sweep(
+            frequency_hz[COMBINED_FREQUENCIES], self._weight()[COMBINED_FREQUENCIES], self.cell_s
+        )
 
     def tail(self, slope, height_m):
-        """Decay rate [1/s] of the echo off Gaussian slopes, and the share that the beam takes in.
+        """Decay rate [1/s] of the echo off Gaussian slopes, and the share of it within the beam.
 
-        The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2
-        s^2) / (cos^4 R^3)`` with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans.
-        Antennas Propag. 25, 67-74, and geometric optics; at nadir ``(c / H) (8 ln 2 / beam^2 + 1 /
-        2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB the annuli leave it by 0.01 dB
-        on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
+        A pulse lights up annuli with the power ``G^2 exp(-tan^2 / 2 s^2) / (cos^4 R^3)``, where
+        ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, and
+        geometric optics. An exponential replaces it, its chord over about `TAIL_DB`; at nadir the
+        rate is ``(c / H) (8 ln 2 / beam^2 + 1 / 2 s^2 - 1/2)``. Diffuse scattering is neglected.
+        Over 20 dB the error of the exponential is 0.01 dB on slopes of 0.03, and 0.7 dB on slopes
+        of 0.5, where the beam of 40 degrees limits the echo.
         """
         beam = 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2
         facets = 1 / (2 * np.square(slope, dtype=float))
@@ -146,9 +168,9 @@ class Radar:
         return fallen / fall_s, facets / (beam + facets)
 
     def speckle_correlation(self):
-        """Autocorrelation of power where scatterers are many and alike, (lag,).
+        """Autocorrelation of the power of many equal scatterers, (lag,).
 
-        The squared transform of w^2.
+        It is the squared transform of w^2.
         """
         weight = self._weight() ** 2
         phase = np.outer(np.arange(MOST_LAGS + 1), self._offsets_hz())
@@ -167,15 +189,15 @@ class Radar:
 
 
 def _sweep(start_hz, stop_hz, bin_s=None, **others):
-    """`Radar` of a sweep; by default two bins to the 3 dB width of its Hann window, 1.44 / B."""
+    """`Radar` of a sweep; by default a bin is half the 3 dB width of its Hann window, 1.44 / B."""
     width_hz = stop_hz - start_hz
     bin_s = bin_s or 0.72 / width_hz
     return Radar(centre_hz=start_hz + width_hz / 2, bandwidth_hz=width_hz, bin_s=bin_s, **others)
 
 
-# Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: those of
-# workflow/reference/settings.py; no published beam was at hand, and on slopes of 0.03 it makes 2 %
-# of the decay.
+# The height of 500 m is the nominal one of Operation IceBridge. The beam of 40 degrees, 5 looks,
+# 5.2 m and 27 dB are those of workflow/reference/settings.py. No published beam was at hand; on
+# slopes of 0.03 the beam makes 2 % of the decay.
 PRESETS = {
     # Sweep: Table I of Yari et al. (2021), IEEE JSTARS 14; bins: product of 2016, 1.30 cm of air.
     "snow-2-8": _sweep(2e9, 8e9, bin_s=8.67e-11),
@@ -193,17 +215,29 @@ PRESETS = {
 
 @dataclass(frozen=True, eq=False)
 class Snowpack:
-    """Dry snow below its surface; depths that do not increase and values out of range are refused.
+    """Layers of dry snow below its surface.
 
-    `depth_m` (layer,) or (layer, range_line): interfaces below the level of the mean surface [m],
-    the surface first, at 0 or its own height, down positive. `density_kg_m3`, alike: of the snow
-    below each interface, at most ice's. By layer or for all: `roughness_m`, standard deviation of
-    height within a footprint, and `slope`, its rms along one axis as seen from the air, in (0, 1].
-    `attenuation_db_m`: two-way, beside what interfaces reflect. `coherent`: whether interfaces
-    within a range cell of each other add in amplitude, as those of one measured profile do, or in
-    power, as on average where their distances vary along track; by default in power, with a
-    warning if there are any. Of one range line alone can they add in amplitude. Speckle is full at
-    any roughness, 0 too: what a smooth surface returns as a mirror does is not simulated.
+    Depths that do not increase and values out of range are refused. Speckle is fully developed at
+    any roughness, also at 0: specular echoes of smooth surfaces are not simulated.
+
+    Attributes
+    ----------
+    depth_m : array_like, (layer,) or (layer, range_line)
+        Depth of interfaces below the level of the mean surface [m], the surface first, at 0 or at
+        its own height, down positive.
+    density_kg_m3 : array_like, (layer,) or (layer, range_line)
+        Density of the snow below each interface [kg m-3], at most that of ice.
+    roughness_m : array_like, (layer,) or ()
+        Standard deviation of the height of an interface within a footprint [m].
+    slope : array_like, (layer,) or ()
+        Rms slope of an interface along one axis as seen from the air, in (0, 1].
+    attenuation_db_m : float
+        Two-way attenuation [dB/m], beside the reflections at interfaces.
+    coherent : bool, optional
+        Whether interfaces within a range cell of each other add in amplitude, as those of one
+        measured profile do, or in power, as they do on average if their distances vary along track.
+        By default they add in power, with a warning if there are such interfaces. They add in
+        amplitude on a single range line only.
     """
 
     depth_m: np.ndarray
@@ -215,14 +249,14 @@ class Snowpack:
 
     def __post_init__(self):
         names = [name for name in vars(self) if name != "coherent"]
-        held = {name: _filled(name, getattr(self, name)) for name in names}
+        held = {name: _as_floats(name, getattr(self, name)) for name in names}
         for name in ("depth_m", "density_kg_m3"):
             if held[name].ndim == 1:
                 held[name] = held[name][:, None]
         shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
         limits = {
             "depth_m": (shape, ()),
-            "density_kg_m3": (shape, DENSITIES_KG_M3),
+            "density_kg_m3": (shape, LAYER_DENSITIES_KG_M3),
             "roughness_m": (shape[:1], (0,)),
             "slope": (shape[:1], (np.finfo(float).tiny, 1)),
             "attenuation_db_m": ((), (0,)),
@@ -242,17 +276,28 @@ class Snowpack:
 
     @classmethod
     def from_profile(cls, depth_m, density_kg_m3, *, thickness_m=None, **others):
-        """Snow as a pit, a core or a penetrometer measured it: steps of a millimetre to decimetres.
+        """Snowpack of a measured profile: that of a pit, a core or a penetrometer.
 
-        `depth_m` (sample,) is the middle of every sample [m], increasing from 0 or below, and
-        `density_kg_m3`, alike, its density [kg m-3]; leave samples without a density out.
-        `thickness_m`, alike: by default samples reach half-way to their neighbours, and across a
-        gap they do. The first sample reaches up to the surface, and the last sample's snow goes on
-        below. `others` are those of `Snowpack`. Interfaces stay as measured; how they combine, a
-        radar decides: `snowsim.snowpack.combine`.
+        Steps may be a millimetre to decimetres. Interfaces stay as measured; a radar combines those
+        within a range cell, see `snowsim.snowpack.combine`.
+
+        Parameters
+        ----------
+        depth_m : array_like, (sample,)
+            Depth of the middle of every sample [m], increasing, from 0 on.
+        density_kg_m3 : array_like, (sample,)
+            Density of every sample [kg m-3]; leave samples without a density out.
+        thickness_m : array_like, (sample,), optional
+            Thickness of every sample [m]. By default, and across gaps, samples reach half-way to
+            their neighbours. The first sample reaches up to the surface, and the snow of the last
+            one goes on below.
+        others
+            Other attributes of `Snowpack`.
         """
         given = {"depth_m": depth_m, "density_kg_m3": density_kg_m3, "thickness_m": thickness_m}
-        given = {name: _filled(name, value) for name, value in given.items() if value is not None}
+        given = {
+            name: _as_floats(name, value) for name, value in given.items() if value is not None
+        }
         return cls(*interfaces(**given), coherent=True, **others)
 
     def __repr__(self):
@@ -262,8 +307,8 @@ class Snowpack:
         return f"Snowpack({depth}, {density}, range lines: {n_lines})"
 
 
-def _filled(name, value):
-    """A copy of values as float, NaN where masked; ValueError unless there are numbers."""
+def _as_floats(name, value):
+    """A copy of values as floats, NaN where masked; ValueError if they are no numbers or none."""
     try:
         filled = np.ma.filled(np.ma.array(value, dtype=float, copy=True), np.nan)
         _ = filled.flat[0]
@@ -275,12 +320,23 @@ def _filled(name, value):
 
 @dataclass(frozen=True, kw_only=True)
 class Climate:
-    """What annual layers of dry snow are drawn from.
+    """Climate from which annual layers of dry snow are drawn; ValueError outside these limits.
 
-    `accumulation_m` [m w.e. / yr], 0.001 to 10; `variability`, of its logarithm from year to year,
-    to 2: cores, 0.17-0.28; `n_years` of layers, to 1000; `temperature_k`, annual mean, 200 to
-    273.15: Summit of Greenland; `surface_density_kg_m3`, 50 to 549; `density_sd_kg_m3` about the
-    mean, to 200: cores, 18-39. ValueError for others.
+    Attributes
+    ----------
+    accumulation_m : float
+        Mean accumulation [m w.e. / yr], 0.001 to 10.
+    variability : float
+        Year-to-year standard deviation of the logarithm of accumulation, at most 2; 0.17 to 0.28 in
+        cores.
+    n_years : int
+        Number of annual layers, at most 1000.
+    temperature_k : float
+        Annual mean temperature, 200 to 273.15 [K]; by default that of Summit, Greenland.
+    surface_density_kg_m3 : float
+        Density at the surface, 50 to 549 [kg m-3].
+    density_sd_kg_m3 : float
+        Standard deviation of density about the mean, at most 200 [kg m-3]; 18 to 39 in cores.
     """
 
     accumulation_m: float
@@ -291,14 +347,14 @@ class Climate:
     density_sd_kg_m3: float = 30.0
 
     def __post_init__(self):
-        for name, (low, high) in CLIMATES.items():
+        for name, (low, high) in CLIMATE_LIMITS.items():
             check_values(f"climate: {name}", getattr(self, name), low, high, number=True)
 
     def draw(self, n_range_lines, line_spacing_m, *, rng, first_year=1.0):
         """`Snowpack` of annual layers below a flat surface.
 
-        Depth and mean density by Herron & Langway (1980). Of the uppermost year's snow, the share
-        `first_year` has fallen.
+        Depth and mean density follow Herron & Langway (1980). Only the share `first_year` of the
+        uppermost year's snow has fallen yet.
         """
         firn = (self.accumulation_m, self.temperature_k, self.surface_density_kg_m3)
         drift_lines = DRIFT_LENGTH_M / line_spacing_m
@@ -313,26 +369,26 @@ class Climate:
         share = density_herron_langway80(middle_m, *firn) / ICE_DENSITY_KG_M3
         density_lines = DENSITY_LENGTH_M / line_spacing_m
         anomaly = draw_along_track(self.n_years + 1, n_range_lines, density_lines, rng=rng)
-        # Logits have the s.d. asked for at the top and keep density between nothing and ice.
+        # Logits give the standard deviation at the top, and keep density between 0 and that of ice.
         width = self.density_sd_kg_m3 / ICE_DENSITY_KG_M3 / (share[0] * (1 - share[0]))
         density = ICE_DENSITY_KG_M3 / (1 + (1 - share) / share * np.exp(-width * anomaly))
-        # Years drift, so that distances vary along track.
+        # The accumulation of years varies along track, and so do distances between interfaces.
         return Snowpack(depth_herron_langway80(water_m, *firn), density, coherent=False)
 
 
 def physical_parameters(snowpack, radar):
-    """What PHY renders of a snowpack: travel time [s] below the mean surface, and parameters.
+    """Travel times of echoes below the mean surface [s], and their parameters, as PHY takes them.
 
-    Travel times (layer, range_line); `peak_power` (layer, range_line) relative to a flat mirror at
-    the radar's height, `variance_bins2` and `decay_rate` (layer,). They are meant for
-    PHY's ``as_printed=True``: the Gaussian lies at the interface's own travel time, and what width
-    and tail spread is taken off its height.
+    Travel times are on (layer, range_line). The parameters are `peak_power` (layer, range_line),
+    relative to a flat mirror at the radar's height, `variance_bins2` and `decay_rate` (layer,).
+    They are meant for PHY's ``as_printed=True``: the Gaussian lies at the interface's own travel
+    time, and width and tail lower its height.
 
-    Interfaces are incoherent with each other, multiples are left out. Power: Fresnel at normal
-    incidence with ``n = 1 + 0.845 rho``, Kovacs et al. (1995), losses at the interfaces above,
-    attenuation, spherical spreading, and the share that the beam takes in of what slopes scatter.
-    Width: a Gaussian of the range response's height and area, wider by the roughness, ``2 n r /
-    c``. Tail: `Radar.tail`.
+    Interfaces are incoherent with each other, and multiples are neglected. Power follows from
+    Fresnel reflection at normal incidence with ``n = 1 + 0.845 rho``, Kovacs et al. (1995), losses
+    at the interfaces above, attenuation, spherical spreading, and the share of the scattered power
+    within the beam. The width is that of a Gaussian of the range response's height and area, wider
+    by the roughness, ``2 n r / c``. The tail is that of `Radar.tail`.
     """
     echoes = _combined(snowpack, radar) if snowpack.coherent else _one_by_one(snowpack, radar)
     depth_m = echoes.depth_m
@@ -356,12 +412,14 @@ def physical_parameters(snowpack, radar):
 
 @dataclass(frozen=True)
 class _Echoes:
-    """What comes back of a plane wave: where from, (layer, range_line), and how strong."""
+    """Echoes of a plane wave: delay, depth and power, (layer, range_line), and their interfaces.
+
+    Refractive index above, roughness and slope are on (layer,).
+    """
 
     below_s: np.ndarray
     depth_m: np.ndarray
     power: np.ndarray
-    # One value a layer.
     index_above: np.ndarray
     roughness_m: np.ndarray
     slope: np.ndarray
@@ -408,7 +466,7 @@ def _combined(snowpack, radar):
 
 
 def _index_and_delay(snowpack):
-    """Refractive index, air first, and two-way travel time to each interface [s]."""
+    """Refractive index, air first, and two-way travel time to every interface [s]."""
     density = snowpack.density_kg_m3
     index = refractive_index_kovacs95(np.r_[0 * density[:1], density])
     depth_m = snowpack.depth_m
@@ -417,9 +475,9 @@ def _index_and_delay(snowpack):
 
 
 def depth_and_water(snowpack, below_s):
-    """Depth of echoes below the surface [m] and mass above them, `water_m` [m w.e.].
+    """Depth of echoes below the surface, `depth_m` [m], and the mass above, `water_m` [m w.e.].
 
-    `below_s` (echo, range_line): travel times of `physical_parameters`.
+    `below_s` (echo, range_line) are travel times of `physical_parameters`.
     """
     depth_m = snowpack.depth_m - snowpack.depth_m[0]
     slab_kg_m2 = snowpack.density_kg_m3[:-1] * np.diff(depth_m, axis=0)
@@ -427,21 +485,21 @@ def depth_and_water(snowpack, below_s):
     found = {"depth_m": depth_m, "water_m": water_m}
     if not snowpack.coherent:
         return found
-    # Echoes of a profile, of one range line, lie among its interfaces.
+    # Echoes of a profile lie between its interfaces; it has one range line.
     delay_s = travel_time_s(depth_m, water_m)[:, 0]
     at_s = below_s[:, 0] - below_s[0, 0]
     return {name: np.interp(at_s, delay_s, value[:, 0])[:, None] for name, value in found.items()}
 
 
 def _reflection(index):
-    """Share of the field that each interface reflects."""
+    """Share of the field that every interface reflects."""
     above = index[:-1]
     below = index[1:]
     return (above - below) / (above + below)
 
 
 def _warn_of_close(below_s, radar):
-    """Say where interfaces lie within a range cell all along, so that phases would not average."""
+    """Warn of interfaces within a range cell whose phases do not average along track."""
     apart_s = np.diff(below_s, axis=0)
     varied = np.ptp(apart_s, axis=1) > 0.5 / radar.centre_hz
     close = (apart_s.min(axis=1, initial=np.inf) < radar.cell_s) & ~varied

@@ -1,4 +1,4 @@
-"""What a radar makes of a measured profile: interfaces within a range cell add in amplitude."""
+"""Reflectors equivalent to a measured profile, whose close interfaces add in amplitude."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,18 @@ from scipy.sparse import csr_array
 
 from snowsim.limits import check_values
 
-REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB there
-SAMPLES = 6  # of power, to a range cell
-CENTRE_SAMPLES = 12  # of a group, where its power is centred
-TOUCHING_M = 0.001  # depths are rounded: by so much may samples overlap
-N_ROUNDS = 30  # of the fit; 200 change no cell of half a metre by 0.1 dB
+# A range response ends so many times 1 / bandwidth from its peak; Hann's sidelobes are below -70 dB
+# there.
+RESPONSE_REACH = 10
+SAMPLES_PER_CELL = 6  # samples of power in a range cell
+SAMPLES_PER_GROUP = 12  # samples of power over which a group is centred
+LARGEST_OVERLAP_M = 0.001  # of samples of a profile, whose depths are rounded
+N_FIT_ROUNDS = 30  # 200 rounds change no cell of half a metre by 0.1 dB
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Frequencies that a radar weighs, even over its band, and its range cell."""
+    """Evenly spaced frequencies of a radar's band, their weights, and the radar's range cell."""
 
     frequency_hz: np.ndarray
     weight: np.ndarray
@@ -24,41 +26,42 @@ class Sweep:
 
     @property
     def bandwidth_hz(self):
-        """All that is swept."""
+        """Width of the band [Hz]."""
         return self.frequency_hz.size * (self.frequency_hz[1] - self.frequency_hz[0])
 
     @property
     def centre_hz(self):
-        """Middle of the band."""
+        """Middle of the band [Hz]."""
         return self.frequency_hz.mean()
 
     @property
     def step_s(self):
         """Time between samples of power [s]."""
-        return self.cell_s / SAMPLES
+        return self.cell_s / SAMPLES_PER_CELL
 
     @property
     def reach(self):
-        """How many samples from its peak a range response is followed."""
-        return int(np.ceil(REACH / self.bandwidth_hz / self.step_s))
+        """Number of samples from the peak of a range response to its end."""
+        return int(np.ceil(RESPONSE_REACH / self.bandwidth_hz / self.step_s))
 
 
 @dataclass(frozen=True)
 class Reflectors:
-    """What a profile comes to, one or less to a range cell: their powers add.
+    """At most one equivalent reflector per range cell; the powers of reflectors add.
 
-    `first` is the uppermost interface of each; `power`, relative to a mirror, what comes back of it
-    through those above; `delay_s` [s].
+    `first` is the number of the uppermost interface of each reflector, `delay_s` its two-way travel
+    time [s], `power` its echo's power at the radar, relative to a mirror in place of the snow, and
+    `reflected` the share of power that it reflects.
     """
 
     first: np.ndarray
     delay_s: np.ndarray
     power: np.ndarray
-    reflected: np.ndarray  # of the power that reaches it
+    reflected: np.ndarray
 
     @property
     def lost_db(self):
-        """What reflectors above took from each on the way down and up [dB]."""
+        """Two-way loss of power to the reflectors above each reflector [dB]."""
         passed = np.cumprod(np.append(1, 1 - self.reflected[:-1]))
         return -20 * np.log10(passed)
 
@@ -67,12 +70,12 @@ def combine(delay_s, reflection, sweep):
     """`Reflectors` whose mean power is that of a profile's interfaces added in amplitude.
 
     Interfaces (interface,) lie at two-way travel times [s], the surface first, and reflect a share
-    of the field. Those further than a range cell from both neighbours stay as they are. The others
-    are grouped by cell. What a group reflects of power, on average over the band, is lost to what
-    lies below it; multiples are left out otherwise. The sum of all fields gives mean power against
-    travel time, and powers of the groups are fitted to it: multiplicative updates that keep them
-    positive, Richardson (1972), J. Opt. Soc. Am. 62, 55-59; Lucy (1974), Astron. J. 79, 745-754.
-    ValueError if travel times fall or the surface reflects nothing.
+    of the field. Interfaces further than a range cell from both neighbours stay as they are. The
+    others are grouped by range cell. The power that a group reflects, on average over the band, is
+    lost to all groups below it; multiples are neglected otherwise. The sum of all fields gives mean
+    power against travel time. The powers of the groups are fitted to it by multiplicative updates,
+    which keep them positive: Richardson (1972), J. Opt. Soc. Am. 62, 55-59; Lucy (1974), Astron. J.
+    79, 745-754. ValueError if travel times fall or the surface reflects nothing.
     """
     delay_s, reflection = (np.asarray(values, dtype=float) for values in (delay_s, reflection))
     if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not reflection[:1].any():
@@ -102,7 +105,10 @@ def combine(delay_s, reflection, sweep):
 
 
 def _first_of_groups(delay_s, cell_s):
-    """The first interface of every range cell, from the first on of a run without a wider gap."""
+    """Number of the first interface of every range cell, (group,).
+
+    Cells are counted from the first interface of a run of interfaces less than a cell apart.
+    """
     run = np.cumsum(np.diff(delay_s, prepend=delay_s[0]) > cell_s)
     start_s = delay_s[np.searchsorted(run, run)]
     cell = np.floor((delay_s - start_s) / cell_s)
@@ -111,7 +117,7 @@ def _first_of_groups(delay_s, cell_s):
 
 
 def _band_power(delay_s, reflection, first, sweep):
-    """Share of power that each group reflects, mean over the band, (group,)."""
+    """Share of power that each group reflects, on average over the band, (group,)."""
     total = 0
     for frequency_hz, weight in zip(sweep.frequency_hz, sweep.weight**2, strict=True):
         field = reflection * np.exp(2j * np.pi * frequency_hz * delay_s)
@@ -120,10 +126,10 @@ def _band_power(delay_s, reflection, first, sweep):
 
 
 def _responses(at_s, last_s, sweep):
-    """Range responses, 1 at their peaks: a sparse (sample, echo).
+    """Range responses of unit peak, a sparse array (sample, echo).
 
-    Samples are `SAMPLES` to a cell, from a response's reach above the surface to that below the
-    last travel time.
+    Samples are `Sweep.step_s` apart. They begin the reach of a response above the surface and end
+    as far below the last travel time.
     """
     reach = sweep.reach
     nearest = np.rint(at_s / sweep.step_s).astype(int)
@@ -142,11 +148,14 @@ def _responses(at_s, last_s, sweep):
 
 
 def _centres(delay_s, first, size, profile, sweep):
-    """Travel time where the power between a group's outer interfaces is centred, (group,) [s]."""
+    """Travel time at the centre of a group's power, (group,) [s].
+
+    The power between the group's outer interfaces counts.
+    """
     top_s = delay_s[first, None]
     base_s = delay_s[first + size - 1, None]
     sample_s = (np.arange(profile.size) - sweep.reach) * sweep.step_s
-    share = (np.arange(CENTRE_SAMPLES) + 0.5) / CENTRE_SAMPLES
+    share = (np.arange(SAMPLES_PER_GROUP) + 0.5) / SAMPLES_PER_GROUP
     within_s = top_s + share * (base_s - top_s)
     weight = np.interp(within_s, sample_s, profile)
     centre_s = np.sum(weight * within_s, axis=1) / np.sum(weight, axis=1)
@@ -156,10 +165,10 @@ def _centres(delay_s, first, size, profile, sweep):
 
 
 def _fitted(power, grouped, centre_s, profile, last_s, sweep):
-    """Powers of the reflectors, those of groups fitted to a profile of power, (group,)."""
+    """Powers of the reflectors, (group,); those of groups are fitted to a profile of power."""
     responses = _responses(centre_s, last_s, sweep).power(2)
     area = responses.sum(axis=0)
-    for _ in range(N_ROUNDS):
+    for _ in range(N_FIT_ROUNDS):
         modelled = responses @ power
         ratio = np.zeros_like(profile)
         np.divide(profile, modelled, out=ratio, where=modelled > 0)
@@ -169,13 +178,13 @@ def _fitted(power, grouped, centre_s, profile, last_s, sweep):
 
 
 def interfaces(depth_m, density_kg_m3, thickness_m=None):
-    """Depth of the interfaces of a measured profile and density of the snow below each.
+    """Depth of the interfaces of a measured profile, and density of the snow below each.
 
-    Samples (sample,) are homogeneous, their middles at `depth_m` [m]; with `thickness_m` they may
-    not overlap. Each interface lies half-way between two samples: between their middles, or, with
-    `thickness_m`, between the base of one and the top of the next. The first sample reaches up to
-    the surface, and the snow of the last one goes on below. Two arrays (interface,): depth [m], the
-    surface first, and density [kg m-3].
+    Samples (sample,) are homogeneous, and `depth_m` is their middle [m]. Each interface lies
+    half-way between two samples: between their middles, or, with `thickness_m`, between the base of
+    one and the top of the next; then samples may not overlap. The first sample reaches up to the
+    surface, and the snow of the last one goes on below. Two arrays (interface,) are returned: depth
+    [m], the surface first, and density [kg m-3].
     """
     shapes = [np.shape(each) for each in (depth_m, density_kg_m3, thickness_m) if each is not None]
     if len(set(shapes)) > 1 or len(shapes[0]) != 1 or 0 in shapes[0]:
@@ -195,5 +204,5 @@ def interfaces(depth_m, density_kg_m3, thickness_m=None):
     base_m = (depth_m + half_m)[:-1]
     if thickness_m is not None:
         what = "profile: samples must not overlap: distances"
-        check_values(what, top_m - base_m, -TOUCHING_M)
+        check_values(what, top_m - base_m, -LARGEST_OVERLAP_M)
     return np.append(0.0, (base_m + top_m) / 2), density_kg_m3

@@ -1,4 +1,4 @@
-"""A snowpack as a radar sees it: the echogram, rendered by PHY, and its layers."""
+"""Echogram of a snowpack, rendered by PHY, and its true layers."""
 
 import warnings
 from datetime import date as Date
@@ -31,26 +31,23 @@ from snowsim.snowpack.physical import (
 )
 from snowsim.snowpack.snow import NORTH_MONTHS
 
-# A flight due north, by default at the end of a snow year: a whole one lies above a climate's first
-# horizon.
+# By default flights are at the end of a snow year, so that a whole year's snow lies above the first
+# horizon of a climate. They go due north.
 DATE = "2000-08-31"
 SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0
-GROUND_M = 2700.0  # about that of the ice sheet there
-METRES_PER_DEGREE = 111_195.0
+GROUND_M = 2700.0  # height of the snow, about that of the ice sheet there
 RELATIVE_POWER = {
     "units": "1",
     "long_name": "power relative to a flat mirror in place of the snow",
 }
-CODES = {"quality": 1, "type": 2}  # good; automatic
-PIXEL_BYTES = 4  # float32
-LINES_AT_ONCE = 1024
-MOST_INDEX = 1.5  # of dry snow, for an estimate of size
+FLAG_VALUES = {"quality": 1, "type": 2}  # good; automatic
+LINES_AT_ONCE = 1024  # range lines rendered at once, to save memory
 
 
 def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE):
-    """Echogram of a snowpack as a radar sees it, and its layers.
+    """Echogram of a snowpack, and its true layers.
 
     Parameters
     ----------
@@ -58,8 +55,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE
     radar : Radar or str
         A radar or the name of a preset.
     n_range_lines : int, optional
-        Number of range lines; by default the snowpack's, whose one may be repeated; 256 of a
-        climate.
+        Number of range lines; by default that of the snowpack, or 256 of a climate. A snowpack of
+        one range line may be repeated.
     rng : int or numpy.random.Generator
     exact : bool, optional
         See `snowsim.phy.render`.
@@ -70,22 +67,23 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE
     Returns
     -------
     echogram, layers : xarray.Dataset
-        As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in
-        place of the snow; `twtt` (layer, slow_time) [s] of every interface, `peak_twtt`, where its
-        echo peaks, `power_db`, the mean power of that peak, `depth_m` below the surface, and
-        `water_m`, the mass above [m w.e.].
+        Both follow Open Polar Radar. `Data` (twtt, slow_time) of the echogram is power relative to
+        a flat mirror in place of the snow. Layers have, on (layer, slow_time), `twtt`, the travel
+        time to the interface [s]; `peak_twtt`, that of its echo's peak [s]; `power_db`, the mean
+        power of this peak; `depth_m`, the depth below the surface; and `water_m`, the mass above
+        [m w.e.].
 
     Raises
     ------
     ValueError
         If `n_range_lines` is below 1, differs from that of the snowpack, or makes an echogram
-        larger than readers take; if the surface rises to the radar; if `date` is none.
+        larger than readers take; if the surface rises to the radar; if `date` is no date.
 
     Notes
     -----
-    Powers, widths and tails: `snowsim.snowpack.physical_parameters`; PHY renders them. Against a
-    transfer matrix, contrasts of 30-250 kg m-3 three range cells apart or more, delays are within
-    0.1 bin and mean powers within 0.5 dB.
+    PHY renders the powers, widths and tails of `snowsim.snowpack.physical_parameters`. For
+    contrasts of 30-250 kg m-3, three range cells apart or more, delays are within 0.1 bin and mean
+    powers within 0.5 dB of those of a transfer matrix.
 
     Examples
     --------
@@ -126,7 +124,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE
     power = _power(layer_bins, parameters, rng=rng, exact=exact)
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
-        # A window with its parameters is no attribute of a file.
+        # A file cannot hold a window with parameters as an attribute.
         "window": str(radar.window),
         "synthetic": "simulated from a snowpack and a radar, not observed data",
         "granule": f"{start:%Y%m%d}_01_001",
@@ -152,22 +150,22 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE
 
 
 def _power(layer_bins, parameters, *, rng, exact):
-    """Power of layers (layer, range_line), as much at a time as takes little memory."""
+    """Power of an echogram (range_bin, range_line), rendered in parts to save memory."""
     n_range_bins = scene_height(layer_bins)
     how = {"rng": rng, "exact": exact, "as_printed": True}
     parts = []
     firsts = range(0, layer_bins.shape[1], LINES_AT_ONCE)
     for first in with_progress(firsts, unit=f"{LINES_AT_ONCE} lines"):
         lines = slice(first, first + LINES_AT_ONCE)
-        of_lines = parameters | {"peak_power": parameters["peak_power"][:, lines]}
-        parts.append(render(layer_bins[:, lines], of_lines, n_range_bins, **how))
+        of_part = parameters | {"peak_power": parameters["peak_power"][:, lines]}
+        parts.append(render(layer_bins[:, lines], of_part, n_range_bins, **how))
     return np.hstack(parts)
 
 
-def _layers(echogram, twtt_s, peak_s, power_db, buried):
-    """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power.
+def _layers(echogram, twtt_s, peak_s, power_db, in_metres):
+    """Dataset of layers (layer, slow_time) of an echogram, in the format of Open Polar Radar.
 
-    `buried` are further variables in metres, of all range lines or one.
+    `in_metres` are further variables in metres, on all range lines or one.
     """
     on = ("layer", "slow_time")
     variables = {
@@ -175,16 +173,16 @@ def _layers(echogram, twtt_s, peak_s, power_db, buried):
         "peak_twtt": (on, peak_s, {"units": "s", "place": "peak"}),
         "power_db": (on, power_db, RELATIVE_POWER | {"units": "dB"}),
     }
-    for name, value_m in buried.items():
+    for name, value_m in in_metres.items():
         variables[name] = (on, np.broadcast_to(value_m, twtt_s.shape), {"units": "m"})
-    for name, code in CODES.items():
+    for name, code in FLAG_VALUES.items():
         variables[name] = (on, np.full(twtt_s.shape, code, np.int8))
     layers = xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, echogram.attrs)
     return layers.assign(echogram[["Latitude", "Longitude", "Elevation"]])
 
 
 def _check_lines(n_range_lines, snowpack, radar):
-    """Refuse a number of range lines that is none, another's, or too large to be read back."""
+    """Refuse a number of range lines that is no count, not the snowpack's, or too large to read."""
     check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))
@@ -192,9 +190,10 @@ def _check_lines(n_range_lines, snowpack, radar):
     if n_own not in (1, n_range_lines):
         msg = f"n_range_lines must be the {n_own} of the snowpack, got {n_range_lines}"
         raise ValueError(msg)
-    depth_s = 2 * MOST_INDEX * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
+    # An estimate: the refractive index of dry snow is at most 1.5, and pixels have 4 bytes.
+    depth_s = 2 * 1.5 * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
     n_range_bins = int(depth_s / radar.bin_s) + SURFACE_ROW + ROWS_BELOW_LAST_LAYER
-    most = MAXIMUM_BYTES // (PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS))
+    most = MAXIMUM_BYTES // (4 * max(n_range_bins, MINIMUM_ROWS))
     if n_range_lines > most:
         msg = (
             f"n_range_lines must be at most some {most}, {MAXIMUM_BYTES / 2**30:g} GiB, as "
@@ -205,9 +204,10 @@ def _check_lines(n_range_lines, snowpack, radar):
 
 
 def _surface_row(surface_s, radar):
-    """Row of the mean surface: as in scenes, or as much lower as the highest lies above the mean.
+    """Row of the mean surface: that of scenes, further down if the surface rises above its mean.
 
-    A radar nearer to the snow has less air above it. ValueError where the snow reaches it.
+    Above a near surface there are only as many rows as there is air. ValueError if the snow reaches
+    the radar.
     """
     height_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S
     highest_s = surface_s.min()
@@ -218,7 +218,7 @@ def _surface_row(surface_s, radar):
 
 
 def _midnight(date):
-    """Begin of a day, one that readers of echograms take."""
+    """Time of midnight at the begin of a day; ValueError unless readers of echograms take it."""
     try:
         day = Date.fromisoformat(str(date))
     except ValueError as error:
@@ -237,9 +237,9 @@ def _track(n_range_lines, radar, start):
     elapsed_ns = np.rint(1e9 * distance_m / SPEED_M_S)
     return {
         "slow_time": start.to_datetime64() + elapsed_ns.astype("timedelta64[ns]"),
-        "Latitude": LATITUDE + distance_m / METRES_PER_DEGREE,
+        "Latitude": LATITUDE + distance_m / 111_195.0,  # metres in a degree
         "Longitude": np.full(n_range_lines, LONGITUDE),
         "Elevation": np.full(n_range_lines, GROUND_M + radar.height_m),
-        # Level flight, which readers of L1B files expect to be told.
+        # Readers of L1B files need the attitude, that of level flight.
         **dict.fromkeys(("Roll", "Pitch", "Heading"), np.zeros(n_range_lines)),
     }

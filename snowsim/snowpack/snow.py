@@ -1,4 +1,4 @@
-"""Snow between picked layers: its depth, age and accumulation."""
+"""Depth, age and accumulation of the snow between picked layers."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -11,23 +11,25 @@ from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers
 from snowsim.limits import check_values
 from snowsim.snowpack.column import column_of, temperature_k_of
-from snowsim.snowpack.horizons import NINE_OF_TEN, dated
+from snowsim.snowpack.horizons import NINE_IN_TEN_SD, date_layers
 
-SURFACE = "surface"
-# Density at the surface where none is given: with it, Herron & Langway's firn agrees below 1 m to 3
-# % with the medians of 391 Greenland cores from above 2500 m.
+SURFACE_NAME = "surface"
+# Density at the surface if none is given. With it, the density of Herron & Langway's firn below 1 m
+# is within 3 % of the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
 # Months from the end of a snow year, August in the north and February in the south, to December.
 NORTH_MONTHS, SOUTH_MONTHS = 4, 10
-FIRST_GUESS_M = 0.3  # mean accumulation [m w.e. / yr], on which firn below 550 kg m-3 depends
-N_ROUNDS = 2  # of that firn and the mean accumulation; assumed, not measured
-USUAL_CONFIDENCE = 0.9  # of picks that come without one, as a person's
-LEAST_DOUBT = 0.05  # smallest probability that no layer lies at a pick
-EXPECTED_M = (0.001, 10)  # limits of what may be expected, those of `Climate`
-LONG_YEARS = 12  # number of years between two picks from which on a warning says so
-VAGUE = 0.15  # error of the typical mass, from which on knowing it helps: half a year in three
+# First guess of the mean accumulation [m w.e. / yr], on which firn denser than 550 kg m-3 depends.
+FIRST_GUESS_M = 0.3
+N_FIRN_ROUNDS = 2  # rounds of that firn and the mean accumulation; assumed, not measured
+USUAL_CONFIDENCE = 0.9  # confidence of picks that come without one, as a person's do
+LEAST_DOUBT = 0.05  # least probability that no layer lies at a pick
+EXPECTED_LIMITS_M = (0.001, 10)  # limits of an expected accumulation, those of `Climate`
+LONG_YEARS = 12  # a warning is given if two picks lie more years apart
+# Relative error of the typical mass from which on knowing it helps: half a year in three.
+VAGUE_MASS_ERROR = 0.15
 # Unit and meaning of every variable.
-MEANINGS = {
+UNIT_AND_MEANING = {
     "year": ("1", "year of the autumn horizon; its snow lies below it"),
     "depth_m": ("m", "depth of the horizon"),
     "thickness_m": ("m", "thickness of the snow of the year"),
@@ -48,9 +50,10 @@ MEANINGS = {
     "layer_depth_m": ("m", "depth of a layer"),
     "layer_m_we": ("m", "mass above a layer in metres of water"),
 }
-N_TIMES = 500  # travel times at which depth is tabulated
-DENSITY_SD_KG_M3 = 30.0  # of a year's snow about the profile: cores, 18-39
-LEAST_SURE = 0.8  # confidence of a year without a flag
+N_TIMES = 500  # number of travel times at which depth is tabulated
+# Standard deviation of the density of a year's snow about the profile; 18 to 39 in cores.
+DENSITY_SD_KG_M3 = 30.0
+LEAST_SURE = 0.8  # least confidence of a date without a flag
 
 
 def accumulation(
@@ -72,21 +75,22 @@ def accumulation(
     layers : xarray.Dataset
         Layers as `snowsim track` writes them, or as `snowsim.io.open_segment` joins them. `twtt`
         (layer, slow_time) [s] runs from the surface down, and a name stays with the same horizon
-        along the track. `twtt_low`, `twtt_high` and `confidence` are used where present.
+        along the track. `twtt_low`, `twtt_high` and `confidence` are used if present.
     density : float or snowsim.io.profiles.Profile, optional
-        Density of the snow [kg m-3], 50 to 917; or a profile of density, below whose end no pick is
-        used. By default density grows from 340 by Herron & Langway (1980), under the mean
-        accumulation found here.
+        Density of the snow [kg m-3], 50 to 917, or a profile of density; picks below the end of
+        the profile are not used. By default density grows from 340 by Herron & Langway (1980),
+        under the mean accumulation found here.
     year : int or mapping of str to int, optional
         Year of the first layer below the surface that is used, or years of layers by name:
         ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year. By default the
-        newest horizon is of the last autumn before the first range line, from September (in the
-        south, March) on of the same year, and years above the first layer are counted, too.
+        newest horizon is that of the last autumn before the first range line, and years above the
+        first layer are counted, too. From September on (in the south, March) the last autumn is
+        that of the same year.
     annual : bool, optional
         Whether every layer is one autumn horizon, and none is missing; else years are counted. By
-        default annual where layers have no `confidence`: a person picked them.
+        default layers are annual if they have no `confidence`, since a person picked them.
     expected_m, expected_error : float, optional
-        Accumulation that is known of the place [m w.e. / yr], and its relative standard deviation.
+        Accumulation known for the place [m w.e. / yr], and its relative standard deviation.
     temperature_k : float, optional
         Annual mean temperature of the firn; by default, in Greenland, that of Fausto et al. (2009).
         If given, `density` is that at the surface, below 550, and grows with depth.
@@ -101,46 +105,50 @@ def accumulation(
         Variables on (year, slow_time) are NaN where picks do not bound a year:
 
         - `depth_m` of the year's horizon and `thickness_m` of its snow;
-        - `accumulation_m_we` [m w.e. / yr], and `low` and `high`, the limits that hold it in nine
-          of ten cases, with doubt in the number of years; `error_picks` and `error_density` are
-          parts of it;
-        - `year_confidence`, the probability that the horizon's year is the one stated: it rises
-          downwards only towards a layer that is named; `age_low` and `age_high`, between which the
-          horizon's age lies in nine of ten cases, in years before the last autumn;
-        - `n_years`, the number of years between the picks that bound it: thickness and accumulation
-          are means over these years;
+        - `accumulation_m_we` [m w.e. / yr], and its limits `low` and `high`, which hold it in nine
+          of ten cases and include the doubt in the number of years; `error_picks` and
+          `error_density` are parts of these limits;
+        - `year_confidence`, the probability that the horizon's year is the one stated; it rises
+          downwards only towards a named layer;
+        - `age_low` and `age_high`, limits of the horizon's age in years before the last autumn,
+          which hold it in nine of ten cases;
+        - `n_years`, the number of years between the two picks that bound the year: thickness and
+          accumulation are means over these years;
         - `flag`: 1 where `year_confidence` is below .8, else 0.
 
-        Where a typical year may span as little as the tracker separates, nothing is dated: there is
-        no year, which a warning says. `open_m_we` (slow_time) is the mass above the horizon of the
-        last autumn. `layer_depth_m` and `layer_m_we` (layer, slow_time) are the depth of every
-        layer that is used, and the mass above it. `depth_at` (below_s) is the depth [m] at travel
-        times below the surface. `attrs` hold `uppermost`, the newest horizon that is dated, with
-        its year, ``snow_2=2011``; `last_autumn`, the year of age 0; `surety`, a line on how many
-        dates are sure; `typical_m`, the mass of a typical year; `no_horizon`, names of layers that
-        are taken for none; `n_below_profile`, the number of picks below the end of a profile;
-        of firn `surface_density_kg_m3` and `temperature_k`.
+        If a typical year may be as thin as what the tracker separates, nothing is dated: the result
+        has no year, and a warning says so.
+
+        `open_m_we` (slow_time) is the mass above the horizon of the last autumn. `layer_depth_m`
+        and `layer_m_we` (layer, slow_time) are the depth of every layer that is used, and the mass
+        above it. `depth_at` (below_s) is the depth [m] at travel times below the surface.
+
+        Attributes are `uppermost`, the newest dated horizon and its year, ``snow_2=2011``;
+        `last_autumn`, the year of age 0; `surety`, a line on how many dates are sure; `typical_m`,
+        the mass of a typical year; `no_horizon`, the names of layers that are probably crusts;
+        `n_below_profile`, the number of picks below the end of a profile; and
+        `surface_density_kg_m3` and `temperature_k` of firn.
 
     Raises
     ------
     ValueError
         If the surface is missing, layers cross, a density is out of range, no range line has two
-        horizons within the profile, a name is no layer's, or years contradict one another.
+        horizons within the profile, no layer has a given name, or years contradict one another.
 
     Notes
     -----
     The travel time to depth z below the mass w [m w.e.] is ``t = (2 / c) (z + 0.845 w)`` (Kovacs,
-    Gow & Morey 1995). Ages follow from the masses between layers, by `snowsim.snowpack.dating`: a
-    layer has one age along the whole track. Of the ages that increase downwards, those are stated
-    of which most are right by their probability. Layers that no range line shares may have the same
-    age.
+    Gow & Morey 1995). Ages follow from the masses between layers, by `snowsim.snowpack.dating`. A
+    layer has one age along the whole track. The stated ages increase downwards, and their expected
+    number of right ones is largest. Layers that no range line shares may have the same age.
 
-    The errors of both picks, each half of ``twtt_high - twtt_low``, of density, and of a year about
-    the mean of m years, ``s (1 - 1 / m)^(1/2)``, add in squares; a relative error e of density
-    counts as ``e / n`` with the refractive index n. Of density, the whole profile is off by
-    `density_error`, and the snow of each year by 30 kg m-3, as in cores. The doubt in the number of
-    years adds in squares, too: limits of the mean accumulation by all sequences of horizons. Picks
-    lie 1.2 to 1.7 range bins below their interface. This cancels in a year's mass, but not in
+    Four errors add in squares: that of both picks, each half of ``twtt_high - twtt_low``; that of
+    density; the scatter of a year about the mean of m years, ``s (1 - 1 / m)^(1/2)``; and the doubt
+    in the number of years, which is the spread of mean accumulation over all sequences of horizons.
+    A relative error e of density counts as ``e / n`` with the refractive index n. The whole profile
+    has the relative error `density_error`, and the snow of each year one of 30 kg m-3, as in cores.
+
+    Picks lie 1.2 to 1.7 range bins below their interface. This cancels in a year's mass, but not in
     `open_m_we`.
     """
     layers = with_fixes(layers)
@@ -148,7 +156,7 @@ def accumulation(
     check_values("density_error", density_error, 0, 1)
     check_values("expected_error", expected_error, 0, above=True, number=True)
     if expected_m is not None:
-        check_values("expected_m", expected_m, *EXPECTED_M, number=True)
+        check_values("expected_m", expected_m, *EXPECTED_LIMITS_M, number=True)
     annual = "confidence" not in layers if annual is None else annual
     firn = {}
     if density is None or temperature_k is not None:
@@ -156,17 +164,17 @@ def accumulation(
         temperature_k = temperature_k_of(layers) if temperature_k is None else temperature_k
         firn = {"surface_density_kg_m3": density, "temperature_k": temperature_k}
     mean_m = FIRST_GUESS_M if expected_m is None else expected_m
-    for _ in range(N_ROUNDS if firn else 1):
+    for _ in range(N_FIRN_ROUNDS if firn else 1):
         column = column_of(density, temperature_k, mean_m)
-        known = picks.down_to(column)
+        used = picks.down_to(column)
         expected = (expected_m, expected_error)
-        water_m = column.at(column.water_m, known.below_s)
-        nearest_m = column.at(column.water_m, known.below_s + known.apart_s) - water_m
-        found = dated(water_m, known, year, annual, expected, np.nanmedian(nearest_m[1:]))
-        mean_m = found.typical_m
-    _warn(known, found, annual)
+        water_m = column.at(column.water_m, used.below_s)
+        separable_m = column.at(column.water_m, used.below_s + used.separable_s) - water_m
+        dated = date_layers(water_m, used, year, annual, expected, np.nanmedian(separable_m[1:]))
+        mean_m = dated.typical_m
+    _warn(used, dated, annual)
     n_below = int((picks.below_s > column.twtt_s[-1]).sum())
-    return _by_year(layers, known, column, found, density_error).assign_attrs(
+    return _yearly(layers, used, column, dated, density_error).assign_attrs(
         n_below_profile=n_below, **firn
     )
 
@@ -175,11 +183,10 @@ def accumulation(
 class _Picks:
     """The surface and the picks that are used, and the names of their layers.
 
-    On (layer, range_line): `below_s` is the travel time below the surface, `error_s` its error, and
-    `doubt` the probability that no layer lies there. `left_out` names layers above the first that
-    is used; `flown` is the time of the first range line, in years that begin with an autumn;
-    `apart_s` the least time between layers that a tracker
-    separates, 0 where layers do not hold it.
+    `below_s` is the travel time below the surface, `error_s` its error, and `doubt` the probability
+    that no layer lies there, all (layer, range_line). `left_out` names layers above the first one
+    used. `flown` is the time of the first range line, in years that begin with an autumn.
+    `separable_s` is the least time between two layers that the tracker separates, 0 if unknown.
     """
 
     names: np.ndarray
@@ -188,10 +195,10 @@ class _Picks:
     doubt: np.ndarray
     left_out: str
     flown: pd.Timestamp
-    apart_s: float
+    separable_s: float
 
     def down_to(self, column):
-        """The same without layers below the end of a `Column`; ValueError unless two are left."""
+        """The layers above the end of a `Column`; ValueError unless two are left on a line."""
         end_s = column.twtt_s[-1]
         inside = (self.below_s <= end_s).any(axis=1)
         if (self.below_s <= end_s).sum(axis=0).max() < 3:
@@ -205,18 +212,18 @@ class _Picks:
 
 
 def _picks(layers, least_confidence):
-    """`_Picks` of a dataset; layers are left out where most picks are missing or faint."""
+    """`_Picks` of a dataset, without the layers that are missing or faint on most lines."""
     check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
     names = np.array([str(name).rpartition(":")[2] for name in layers.get_index("layer")])
     twtt = layers["twtt"]
-    # Of frames that are joined, one may have none.
+    # Joined frames may be with and without confidence.
     sure = layers.get("confidence", np.nan * twtt).fillna(USUAL_CONFIDENCE).where(twtt.notnull())
-    sure[:1] = np.where(np.isin(names[:1], (SURFACE, "0")), 1, np.nan)
+    sure[:1] = np.where(np.isin(names[:1], (SURFACE_NAME, "0")), 1, np.nan)
     error = ((layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2).fillna(0)
     below = (twtt - twtt[0]).where(sure >= least_confidence)
     doubt = (1 - sure).clip(LEAST_DOUBT)
-    # A layer that is faint on most lines, as in the tail of the surface's echo, would date others.
+    # A layer that is faint on most lines, as in the tail of the surface's echo, would shift dates.
     kept = np.flatnonzero(sure.median("slow_time") >= least_confidence)
     if 0 not in kept[:-1]:
         msg = (
@@ -228,16 +235,16 @@ def _picks(layers, least_confidence):
     months = SOUTH_MONTHS if np.any(layers.get("Latitude", 0) < 0) else NORTH_MONTHS
     flown = layers.get_index("slow_time")[0] + pd.DateOffset(months=months)
     left_out = ", ".join(names[1 : kept[1]])
-    apart_s = float(layers.attrs.get("apart_s", 0))
-    return _Picks(names[kept], *values, left_out, flown, apart_s)
+    separable_s = float(layers.attrs.get("apart_s", 0))
+    return _Picks(names[kept], *values, left_out, flown, separable_s)
 
 
 def _warn(picks, dated, annual):
-    """Say what makes every date doubtful, and that a span has very many years."""
+    """Warn of doubt that all dates share, and of spans of very many years."""
     if not dated.resolved:
         warnings.warn(
             "layers: nothing is dated, rows have depth and mass between layers: a typical year "
-            f"may span hardly more than {1e9 * picks.apart_s:.2g} ns, within which the tracker "
+            f"may span hardly more than {1e9 * picks.separable_s:.2g} ns, within which the tracker "
             "separates no layers; name a layer, or give the accumulation that is expected",
             stacklevel=3,
         )
@@ -245,40 +252,40 @@ def _warn(picks, dated, annual):
     first = dated.first
     longest = np.diff(dated.age[dated.age >= 0]).max(initial=0)
     open_years = dated.above_m[first - 1] / dated.typical_m
-    taken = (
+    hangs_on = (
         f"{picks.names[first]}, the first horizon, taken for that of "
         f"{dated.last_autumn - dated.age[first]:g} with a probability of {dated.sure[first]:.2g}: "
         "all dates hang on it, unless a layer is named"
     )
-    said = {
-        f"faint {picks.left_out} left out above {taken}": picks.left_out,
-        f"snow of {open_years:.2g} typical years lies above {taken}": (
+    warned = {
+        f"faint {picks.left_out} left out above {hangs_on}": picks.left_out,
+        f"snow of {open_years:.2g} typical years lies above {hangs_on}": (
             dated.sure[first] < LEAST_SURE and not annual
         ),
         f"up to {longest:g} years lie between two picks, and have one mean": longest > LONG_YEARS,
     }
-    for text, is_so in said.items():
-        if is_so:
+    for text, applies in warned.items():
+        if applies:
             warnings.warn(f"layers: {text}", stacklevel=3)
 
 
 def _surety(dated):
-    """A line on how many dates are sure, and on what would help most."""
+    """A line that states how many dates are sure, and what would help most."""
     of_horizons = dated.sure[1:][dated.age[1:] >= 0]
     n_sure = int((of_horizons >= LEAST_SURE).sum())
-    told = f"{n_sure} of {of_horizons.size} dates are right with a probability of {LEAST_SURE:g}"
+    share = f"{n_sure} of {of_horizons.size} dates are right with a probability of {LEAST_SURE:g}"
     if not dated.resolved or n_sure == of_horizons.size:
-        return told + " or more"
+        return share + " or more"
     remedy = "a core, or the name of a layer whose year is known, would help most"
     if dated.sure[dated.first] < LEAST_SURE:
         remedy = "the name of a layer whose year is known (--year NAME=YEAR) would help most"
-    elif dated.found.mass_error > VAGUE:
+    elif dated.posterior.mass_error > VAGUE_MASS_ERROR:
         remedy = "the accumulation of the place (--expected) would help most"
-    return f"{told} or more: {remedy}"
+    return f"{share} or more: {remedy}"
 
 
-def _by_year(layers, picks, column, dated, density_error):
-    """Dataset of `accumulation`: each span is divided into equal years."""
+def _yearly(layers, picks, column, dated, density_error):
+    """Dataset of `accumulation`; each span is divided into equal years."""
     depth_m = column.at(column.depth_m, picks.below_s)
     water_m = column.at(column.water_m, picks.below_s)
     spans = _spans(picks, depth_m, water_m, dated, density_error)
@@ -287,7 +294,7 @@ def _by_year(layers, picks, column, dated, density_error):
     within = rows.groupby(level=0).cumcount()
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
-    # A horizon that is not picked is as sure as both that are.
+    # A horizon without a pick is as sure as the less sure of the picks that bound it.
     sure_below = rows.pop("sure_below")
     rows["year_confidence"] = rows["year_confidence"].where(within == 0, sure_below)
     rows["flag"] = (rows["year_confidence"] < LEAST_SURE).astype(int)
@@ -301,7 +308,7 @@ def _by_year(layers, picks, column, dated, density_error):
     found["layer_depth_m"] = (("layer", "slow_time"), depth_m)
     found["layer_m_we"] = (("layer", "slow_time"), water_m)
     found = found.assign_coords(below_s=times_s, layer=picks.names)
-    for name, (units, meaning) in MEANINGS.items():
+    for name, (units, meaning) in UNIT_AND_MEANING.items():
         found[name].attrs |= {"units": units, "long_name": meaning}
     first = dated.first
     uppermost = f"{picks.names[first]}={dated.last_autumn - dated.age[first]:g}"
@@ -315,7 +322,7 @@ def _by_year(layers, picks, column, dated, density_error):
 
 
 def _spans(picks, depth_m, water_m, dated, density_error):
-    """Table of spans between horizons next to each other on a range line."""
+    """Table of the spans between horizons that follow each other on a range line."""
     above = _horizon_above(dated.age, np.isfinite(water_m))
     layer, line = base = np.nonzero(above > 0)
     upper = above[base]
@@ -326,12 +333,14 @@ def _spans(picks, depth_m, water_m, dated, density_error):
     of_picks = np.hypot(picks.error_s[base], picks.error_s[top])
     of_picks /= picks.below_s[base] - picks.below_s[top]
     density = WATER_DENSITY_KG_M3 * span_m / thickness_m
-    # Of years that have one mean, each scatters about it, and so does the density of each.
+    # Years that share one mean scatter about it, and so does the density of each.
     of_year = dated.scatter * np.sqrt(1 - 1 / n_years)
     of_snow = DENSITY_SD_KG_M3 / density / np.sqrt(n_years)
     of_density = np.hypot(density_error, of_snow) / (1 + KOVACS_M3_KG * density)
-    relative = np.hypot(of_picks, NINE_OF_TEN * np.hypot(of_density, of_year))
-    low, high = _spread(dated, upper, layer)
+    relative = np.hypot(of_picks, NINE_IN_TEN_SD * np.hypot(of_density, of_year))
+    pairs, which = np.unique([upper, layer], axis=1, return_inverse=True)
+    limits = np.array([dated.relative_limits(*pair) for pair in pairs.T]).reshape(-1, 2)
+    low, high = limits[which.ravel()].T
     mean_m = span_m / n_years
     return pd.DataFrame(
         {
@@ -343,20 +352,20 @@ def _spans(picks, depth_m, water_m, dated, density_error):
             "low": mean_m * np.maximum(1 - np.hypot(relative, 1 - low), 0),
             "high": mean_m * (1 + np.hypot(relative, high - 1)),
             "error_picks": mean_m * of_picks,
-            "error_density": mean_m * NINE_OF_TEN * of_density,
+            "error_density": mean_m * NINE_IN_TEN_SD * of_density,
             "n_years": n_years,
             "year_confidence": dated.sure[upper],
             "sure_below": np.minimum(dated.sure[upper], dated.sure[layer]),
-            "age_low": dated.low[upper],
-            "age_high": dated.high[upper],
+            "age_low": dated.age_low[upper],
+            "age_high": dated.age_high[upper],
         }
     )
 
 
 def _horizon_above(age, there):
-    """The horizon next above each on every range line, (layer, range_line), 0 for the surface.
+    """Number of the next horizon above each horizon, (layer, range_line), 0 for the surface.
 
-    -1 where a layer is no horizon, has no pick, or has the age of that above it.
+    It is -1 where a layer is no horizon, has no pick, or has the age of the horizon above it.
     """
     above = np.full(there.shape, -1)
     last = np.zeros(there.shape[1], dtype=int)
@@ -367,15 +376,8 @@ def _horizon_above(age, there):
     return above
 
 
-def _spread(dated, upper, lower):
-    """Quantiles of accumulation over what is stated, low and high, (span,)."""
-    pairs, which = np.unique([upper, lower], axis=1, return_inverse=True)
-    found = np.array([dated.spread(*pair) for pair in pairs.T]).reshape(-1, 2)
-    return found[which.ravel()].T
-
-
 def _dataset(layers, rows):
-    """Rows as a dataset on (year, slow_time), with positions of the layers."""
+    """Dataset of rows on (year, slow_time), with the positions of the layers."""
     years = np.arange(rows["year"].max(), rows["year"].min() - 1, -1) if len(rows) else []
     found = rows.set_index(["year", "slow_time"]).to_xarray()
     found = found.reindex(year=np.array(years, int), slow_time=layers["slow_time"])

@@ -1,4 +1,4 @@
-"""Accumulation as tables: of range lines and years for a GIS, and of years for a paper."""
+"""Tables of accumulation: by range line and year for a GIS, and by year for a paper."""
 
 import numpy as np
 import pandas as pd
@@ -7,8 +7,8 @@ from snowsim.alignment import along_track_m
 from snowsim.constants import KILOMETRE
 
 PIECE_M = 500.0  # length of a line on a map
-# Columns of the table for a GIS, after frame, time, position and year.
-COLUMNS = (
+# Columns of the table for a GIS that follow frame, time, position and year.
+TABLE_COLUMNS = (
     "depth_m",
     "thickness_m",
     "accumulation_m_we",
@@ -22,14 +22,21 @@ COLUMNS = (
     "open_m_we",
 )
 # Columns of the table by year that are means along track.
-MEANS = ("accumulation_m_we", "low", "high", "error_picks", "error_density", "year_confidence")
+MEAN_COLUMNS = (
+    "accumulation_m_we",
+    "low",
+    "high",
+    "error_picks",
+    "error_density",
+    "year_confidence",
+)
 
 
 def table(accumulated):
-    """Table of `accumulation` for a GIS: a row for each range line and year that is not NaN.
+    """Table of `accumulation` for a GIS, with a row for each range line and year that is not NaN.
 
-    Where nothing is dated, a row for each range line and layer: its depth, and thickness and mass
-    [m w.e.] from there down to the next layer.
+    If nothing is dated, there is a row for each range line and layer: the layer's depth, and the
+    thickness and mass [m w.e.] from there down to the next layer.
     """
     along = {"slow_time": "time", "Latitude": "lat", "Longitude": "lon"}
     if accumulated.sizes["year"] == 0:
@@ -39,11 +46,11 @@ def table(accumulated):
     whole = dict.fromkeys(("age_low", "age_high", "n_years", "flag"), int)
     rows = rows.astype(whole).sort_values(["time", "year"])
     first = [name for name in ("frame", *along.values(), "year") if name in rows]
-    return rows[[*first, *COLUMNS]].reset_index(drop=True)
+    return rows[[*first, *TABLE_COLUMNS]].reset_index(drop=True)
 
 
 def _undated(accumulated, along):
-    """Rows of layers without years."""
+    """Table by range line and layer, if nothing is dated."""
     held = [name for name in ("frame", *along) if name in accumulated]
     names = {"layer_depth_m": "depth_m", "layer_m_we": "mass_m_we"}
     rows = accumulated[[*names, *held]].to_dataframe().reset_index().rename(columns=names | along)
@@ -56,10 +63,11 @@ def _undated(accumulated, along):
 
 
 def pieces(rows):
-    """Means of a `table` over pieces of track for a map: a row for each year and 500 m.
+    """Means of a `table` over pieces of track for a map, with a row for each year and 500 m.
 
-    `line` is the list of longitude and latitude of its range lines, on past 180 degrees; times are
-    left out, and range lines without a position. ValueError if none has one.
+    `line` lists longitude and latitude of a piece's range lines; longitudes go on past 180 degrees.
+    Times, and range lines without a position, are left out. ValueError if nothing is dated or no
+    range line has a position.
     """
     if "year" not in rows:
         msg = "a map needs years, nothing is dated: write a table or NetCDF"
@@ -73,7 +81,7 @@ def pieces(rows):
     distance_m = pd.Series(along_track_m(along), along.index)
     rows = rows.assign(piece=rows["time"].map(distance_m) // PIECE_M)
     of_piece = rows.groupby(["year", "piece"])
-    means = of_piece[list(COLUMNS)].mean()
+    means = of_piece[list(TABLE_COLUMNS)].mean()
     means["line"] = of_piece[["lon", "lat"]].apply(
         lambda own: np.unwrap(own.to_numpy(), period=360, axis=0)
     )
@@ -81,19 +89,19 @@ def pieces(rows):
 
 
 def by_year(accumulated):
-    """Table of `accumulation` by year: means along the track, their errors and support.
+    """Table of `accumulation` by year: means along track, their errors, and their support.
 
-    `low` and `high` and both errors hold nine of ten [m w.e. / yr]. The error of picks falls with
-    the number of `independent_km`, that of density does not. `flagged` is the share of range lines
-    with a flag.
+    Limits `low` and `high`, and both errors, hold nine of ten cases [m w.e. / yr]. The error of
+    picks falls with the number of kilometres, `independent_km`; that of density does not. `flagged`
+    is the share of range lines with a flag.
     """
     given = accumulated["accumulation_m_we"].notnull()
     n_km = np.ones(given.sizes["year"])
     if {"Latitude", "Longitude"} <= set(accumulated):
-        # Over a kilometre of track accumulation is taken as one value.
+        # Errors of picks within a kilometre of track count as one.
         kilometre = np.floor(along_track_m(accumulated) / KILOMETRE)
         n_km = [max(pd.Series(kilometre[lines]).nunique(), 1) for lines in given.values]
-    means = {name: accumulated[name].mean("slow_time").values for name in MEANS}
+    means = {name: accumulated[name].mean("slow_time").values for name in MEAN_COLUMNS}
     means["flagged"] = accumulated["flag"].mean("slow_time").values
     means["error_picks"] = means["error_picks"] / np.sqrt(n_km)
     rows = pd.DataFrame({"year": accumulated["year"], **means, "independent_km": n_km})

@@ -12,7 +12,7 @@ from snowsim.snowpack.dating import ANNUAL, TRACKED, Series, posterior, stated_a
 MOST = 14  # years of a step, and age of the first horizon
 
 
-def series_of(above_m, known=(), apart=(), elapsed=0.6, error=0.03, apart_m=0.0):
+def series_of(above_m, known=(), apart=(), elapsed=0.6, error=0.03, separable_m=0.0):
     above_m = np.array(above_m)
     shares_none = np.zeros((above_m.size, above_m.size), bool)
     for pair in apart:
@@ -26,7 +26,7 @@ def series_of(above_m, known=(), apart=(), elapsed=0.6, error=0.03, apart_m=0.0)
         confidence,
         elapsed,
         dict(known),
-        apart_m,
+        separable_m,
     )
 
 
@@ -40,7 +40,7 @@ def step_of(series, grid, i, j, n):
     mass = series.span_m[i, j]
     one = (1 - missed) * missed ** max(n - 1, 0)
     gap = 0.98 * one + 0.02 * (n > 1) / max(n * (n - 1), 1)
-    if series.apart[i, j]:
+    if series.disjoint[i, j]:
         share = 0.5 if n == 0 else 0.5 * gap
         density = norm.pdf(mass / m, n, np.sqrt(n * s**2 + 0.2**2)) / m
         return share * density * series.confidence[j]
@@ -77,12 +77,12 @@ def end_of(series, grid, last):
 def one_by_one(series, scatters, missing, crusts_a_year, hidden, prior=lambda mass: 1):
     """Probability of every age of every pick, (pick, age)."""
     n_picks = series.above_m.size
-    unit_m = np.median(np.diff(series.above_m)) if not series.apart.any() else 0.3
+    unit_m = np.median(np.diff(series.above_m)) if not series.disjoint.any() else 0.3
     masses = np.geomspace(0.3, 2.5, 48) * unit_m
     values = np.meshgrid(masses, scatters, missing, crusts_a_year)
     m, s, missed, crusts = (value.ravel() for value in values)
-    if series.apart_m:
-        missed = 1 - (1 - missed) * np.clip(norm.cdf(np.log(m / series.apart_m) / s), 0.01, 1)
+    if series.separable_m:
+        missed = 1 - (1 - missed) * np.clip(norm.cdf(np.log(m / series.separable_m) / s), 0.01, 1)
     grid = (m, s, missed, crusts)
     age = np.zeros((n_picks, n_picks * MOST + MOST))
     total = 0.0
@@ -96,7 +96,7 @@ def one_by_one(series, scatters, missing, crusts_a_year, hidden, prior=lambda ma
                 n: step_of(series, grid, i, j, n)
                 * (crusts / m) ** (j - i - 1)
                 * np.exp(-crusts * n)
-                for n in range(0 if series.apart[i, j] else 1, MOST)
+                for n in range(0 if series.disjoint[i, j] else 1, MOST)
             }
             for i, j in pairs
         ]
@@ -136,8 +136,11 @@ def assert_same(found, slow):
         ("tracked", series_of([0.02, 0.33, 0.6], elapsed=0.02)),
         ("tracked", series_of([0.35, 0.62, 1.2], known={1: 2})),
         ("tracked", series_of([0.35, 0.62, 1.5], known={0: 1, 1: 2})),
-        ("tracked", series_of([0.35, 0.62, 0.95], apart_m=0.15)),
+        ("tracked", series_of([0.35, 0.62, 0.95], separable_m=0.15)),
         ("annual", series_of([0.2, 0.52, 1.1])),
+        # The first pick may lie below a hidden horizon, the second may be a crust.
+        ("annual", series_of([0.45, 0.75, 1.05])),
+        ("annual", series_of([0.3, 0.345, 0.65])),
     ],
 )
 def test_probabilities_of_ages_are_those_of_all_sequences_one_by_one(rates, series):
@@ -152,7 +155,7 @@ def test_layers_that_no_line_shares_may_be_of_one_year():
     slow = one_by_one(series, *RATES["tracked"][1:])
     found = posterior(series).age
     assert_same(found, slow)
-    ages = stated_ages(posterior(series), series.apart)
+    ages = stated_ages(posterior(series), series.disjoint)
     assert ages[1] == ages[2]
 
 
@@ -163,6 +166,18 @@ def test_an_expected_mass_is_a_lognormal_prior():
     found = posterior(series, TRACKED, 0.5, 0.2).age
     # The grid reaches as far with the expected mass as without.
     assert_same(found, slow)
+
+
+def test_six_crusts_between_two_horizons_are_left_out():
+    year_m = 0.15 + 0.3 * np.arange(15)
+    crust_m = year_m[4] + 0.3 * np.arange(1, 7) / 7
+    above_m = np.sort(np.append(year_m, crust_m))
+    series = series_of(above_m, elapsed=0.5, error=0.0)
+    found = posterior(series)
+    expected = np.where(np.isin(above_m, year_m), np.searchsorted(year_m, above_m), -1)
+    assert (stated_ages(found, series.disjoint) == expected).all()
+    # A step of the grid of masses is 5 %.
+    assert_allclose(found.typical_m, 0.3, rtol=0.05)
 
 
 def test_a_long_series_is_dated_without_underflow():
