@@ -489,9 +489,16 @@ def _check_variables(dataset, axes, where):
         msg = f"{where}: expected variables {expected}, found {found or 'none'}"
         raise ValueError(msg)
     slow_time = dataset["slow_time"].values
+    missing = np.isnat(slow_time) if slow_time.dtype.kind == "M" else np.zeros(1, dtype=bool)
+    if missing.any():
+        msg = (
+            f"{where}: slow_time: expected a time on every range line, found none on "
+            f"{missing.sum()} of {missing.size} (the first is {missing.argmax()})"
+        )
+        raise ValueError(msg)
     later = np.zeros(1, dtype=bool)
     if np.issubdtype(slow_time.dtype, np.datetime64) and slow_time.size:
-        later = np.append(~np.isnat(slow_time[0]), np.diff(slow_time) > np.timedelta64(0))
+        later = np.append(True, np.diff(slow_time) > np.timedelta64(0))
     if not later.all():
         line = int(later.argmin())
         n_late = later.size - later.sum()

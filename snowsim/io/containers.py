@@ -41,6 +41,7 @@ from snowsim.io.files import (
     refusal,
     write_bytes,
 )
+from snowsim.io.missing import with_one_fill
 from snowsim.io.times import utc_times
 
 SUPPLEMENT_FLAGS = (
@@ -94,6 +95,7 @@ TELL_GPS = {"granule", "mimetype", "source_url"}
 TELL_UTC = {"source_format", "synthetic", "tracker"}
 
 NETCDF3, HDF5 = b"CDF", b"\x89HDF\r\n\x1a\n"
+CDF5 = b"CDF\x05"  # scipy does not read it
 USER_BLOCK_BYTES = 512  # in front of the HDF5 data of a MAT v7.3 file
 # The header of a MAT v5 file: text first, the byte order last. The text of scipy has a date, by
 # which two files of the same content would differ.
@@ -154,6 +156,9 @@ def open_container(path, content=None):
         raise refusal(path, "content", KINDS, f"a {picture} image")
     if path.is_dir():
         return _labelled(path, path, engine="zarr", consolidated=False)
+    if content.startswith(CDF5):
+        found = "NetCDF classic of 64-bit data, CDF-5 (nccopy -k nc4 OLD NEW converts it)"
+        raise refusal(path, "content", KINDS, found)
     if content.startswith(NETCDF3):
         # Not by netCDF4: it never returned on 3 of 400 damaged files.
         return _labelled(path, BytesIO(content), engine="scipy")
@@ -235,12 +240,14 @@ def _labelled(path, source, **how):
     """`Stored` of a NetCDF file or Zarr store, decoded by its CF attributes.
 
     Travel times become seconds. `slow_time` of xopr, which includes leap seconds, becomes UTC. Only
-    a declared fill value becomes NaN. Durations stay numbers: rounded to nanoseconds, range bins
-    would be lost.
+    what is declared as missing becomes NaN. Durations stay numbers: rounded to nanoseconds, range
+    bins would be lost.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
         raise refusal(path, "variables", MOST, dataset.nbytes)
+    held = dataset.variables.items()
+    dataset = dataset.assign({name: with_one_fill(path, name, stored) for name, stored in held})
     for variable in dataset.variables.values():
         unit, since, day = str(variable.attrs.get("units", "")).partition(" since ")
         if since and unit in TIMES:

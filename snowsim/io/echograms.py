@@ -230,7 +230,7 @@ def _quality_mask(path, n_lines):
             raise refusal(path, "supplement", expected, "none of them")
         for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
             if name in stored:
-                mask |= bit * (stored[name].values != 0)
+                mask |= bit * (np.nan_to_num(stored[name].values) != 0)  # NaN: declared as missing
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}
 
 

@@ -248,6 +248,9 @@ def read_opr_layers(stored):
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
+    for name in VALUES_WITHOUT_PICK:
+        if dataset[name].isnull().any():  # declared as missing
+            dataset[name] = dataset[name].fillna(0)
     return dataset.transpose(*LAYER_AXES, ...)
 
 

@@ -1,0 +1,151 @@
+"""What the attributes of a stored variable declare as missing, in NetCDF and in Zarr."""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from snowsim.io.files import refusal
+
+FILLS = ("_FillValue", "missing_value")
+# Attributes that hold limits: the least value, the largest, or both.
+LIMITS = {"valid_range": ("least", "largest"), "valid_min": ("least",), "valid_max": ("largest",)}
+
+
+def with_one_fill(path, name, stored):
+    """Variable of a file with one fill value for all that is missing, for xarray to decode.
+
+    Missing are values that equal `_FillValue` or one of `missing_value`, or lie outside
+    `valid_range`, `valid_min` or `valid_max`. Warns if a range leaves nothing, and refuses one that
+    holds no numbers. A variable whose attributes declare nothing is returned as it is.
+    """
+    declared = {key: stored.attrs[key] for key in (*FILLS, *LIMITS) if key in stored.attrs}
+    if stored.dtype.kind not in "iuf" or not declared or _is_decoded(declared, stored.dtype):
+        return stored
+    values = np.array(stored.values)
+    attrs = {key: value for key, value in stored.attrs.items() if key not in declared}
+    numbers = _Numbers(values, attrs)
+    missing = np.isnan(values)
+    for key in declared.keys() & {*FILLS}:
+        for number in _numbers_of(declared[key]):
+            missing |= numbers.equal(number)
+    outside = np.zeros(values.shape, dtype=bool)
+    for key in declared.keys() & LIMITS.keys():
+        limits = _numbers_of(declared[key])
+        if len(limits) != len(LIMITS[key]) or numbers.in_disorder(limits):
+            expected = "two numbers, the lesser first" if len(LIMITS[key]) == 2 else "one number"
+            raise refusal(path, f"{name}: {key}", expected, declared[key])
+        for end, limit in zip(LIMITS[key], limits, strict=True):
+            outside |= numbers.beyond(limit, end)
+    if not missing.all() and outside[~missing].all():
+        limits = ", ".join(f"{key} {declared[key]}" for key in LIMITS if key in declared)
+        msg = f"{path}: {name}: no value lies within its {limits}: all are taken as missing"
+        warnings.warn(msg, UserWarning, stacklevel=2)
+    missing |= outside
+    if missing.any():
+        # A number that is missing is so everywhere in the variable: it may stand for all others.
+        fill = np.nan if values.dtype.kind == "f" else values[missing][0]
+        values[missing] = fill
+        attrs["_FillValue"] = values.dtype.type(fill)
+    return xr.Variable(stored.dims, values, attrs, stored.encoding)
+
+
+def _is_decoded(declared, dtype):
+    """Whether xarray decodes all that is declared: a fill value of the type of the file."""
+    return declared.keys() == {"_FillValue"} and np.asarray(declared["_FillValue"]).dtype == dtype
+
+
+def _numbers_of(declared):
+    """Numbers (number,) of an attribute; text that is no number gives none."""
+    if isinstance(declared, str):
+        try:
+            return np.array([float(declared)])
+        except ValueError:
+            return np.empty(0)
+    numbers = np.ravel(declared)
+    return numbers if numbers.dtype.kind in "iuf" else np.empty(0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Numbers:
+    """Values as a file holds them, to compare with numbers that their attributes declare.
+
+    A declared number is one of the file, unless its type shows that it is one after scaling: it is
+    a float where the file holds whole numbers, or a longer float (NetCDF User's Guide, attribute
+    conventions). A missing value to which no whole number of the file is scaled is one of the file.
+    """
+
+    stored: np.ndarray
+    attrs: dict
+
+    @property
+    def scale(self):
+        return float(np.ravel(self.attrs.get("scale_factor", 1))[0])
+
+    @property
+    def offset(self):
+        return float(np.ravel(self.attrs.get("add_offset", 0))[0])
+
+    @property
+    def values(self):
+        """Values of the file; bytes that are declared as unsigned are."""
+        unsigned = str(self.attrs.get("_Unsigned", "")).lower() == "true"
+        kinds = self.stored.dtype.str
+        return self.stored.view(kinds.replace("i", "u")) if unsigned else self.stored
+
+    @property
+    def scaled(self):
+        return self.values * self.scale + self.offset
+
+    def is_scaled(self, number):
+        """Whether a declared number is one after scaling."""
+        if self.attrs.keys().isdisjoint({"scale_factor", "add_offset"}):
+            return False
+        is_longer = self.values.dtype.kind != "f" or number.itemsize > self.values.itemsize
+        return number.dtype.kind == "f" and is_longer
+
+    def comparable(self, number):
+        """The number in the type of the file if that has floats, or whole numbers of its length."""
+        dtype = self.values.dtype
+        is_same_length = number.dtype.kind in "iu" and number.itemsize == dtype.itemsize
+        if (dtype.kind == "f" and not self.is_scaled(number)) or (
+            dtype.kind == "u" and is_same_length
+        ):
+            with np.errstate(over="ignore"):
+                return number.astype(dtype)
+        return number
+
+    def in_disorder(self, limits):
+        """Whether a least number is larger than the largest, or one of both is NaN."""
+        limits = self.comparable(limits)
+        return not limits[0] <= limits[-1]
+
+    def equal(self, number):
+        """Where values equal a number, bool."""
+        is_float = self.values.dtype.kind == "f"
+        same = self.values == (
+            number.astype(self.values.dtype) if is_float else self.comparable(number)
+        )
+        if not self.is_scaled(number):
+            return same
+        if is_float:
+            # Floats that equal a declared number by chance are rare: both readings count.
+            return same | np.isclose(self.scaled, number, rtol=1e-6, atol=0)
+        code = (number - self.offset) / self.scale
+        limits = np.iinfo(self.values.dtype)
+        is_whole = abs(code - np.rint(code)) < 1e-3 + 1e-6 * abs(code)
+        if is_whole and limits.min <= np.rint(code) <= limits.max:
+            return self.values == np.rint(code)
+        return same
+
+    def beyond(self, limit, end):
+        """Where values lie beyond a limit, bool; scaled whole numbers by more than half a step."""
+        values = self.values
+        slack = 0
+        if self.is_scaled(limit):
+            values = self.scaled
+            slack = abs(self.scale) / 2 if self.values.dtype.kind != "f" else 0
+        else:
+            limit = self.comparable(limit)
+        return values < limit - slack if end == "least" else values > limit + slack
