@@ -87,6 +87,9 @@ SECONDS = {
     "nanoseconds": 1e-9,
     "ns": 1e-9,
 }
+# Variables of positions that become degrees where their attribute `units` says radians.
+ANGLES = ("Latitude", "Longitude", "lat", "lon")
+RADIANS = ("radian", "radians", "rad")
 # Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
 # cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
@@ -239,9 +242,9 @@ def check_heaps(content):
 def _labelled(path, source, **how):
     """`Stored` of a NetCDF file or Zarr store, decoded by its CF attributes.
 
-    Travel times become seconds. `slow_time` of xopr, which includes leap seconds, becomes UTC. Only
-    what is declared as missing becomes NaN. Durations stay numbers: rounded to nanoseconds, range
-    bins would be lost.
+    Travel times become seconds, and positions in radians degrees. `slow_time` of xopr, which
+    includes leap seconds, becomes UTC. Only what is declared as missing becomes NaN. Durations stay
+    numbers: rounded to nanoseconds, range bins would be lost.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
@@ -272,6 +275,10 @@ def _labelled(path, source, **how):
         if SECONDS[unit] != 1:
             seconds = decoded[name].values * SECONDS[unit]
             decoded[name] = (decoded[name].dims, seconds, {"units": "s"})
+    for name in decoded.variables.keys() & {*ANGLES}:
+        angle = decoded[name]
+        if str(angle.attrs.get("units", "")).strip().lower() in RADIANS:
+            decoded[name] = (angle.dims, np.degrees(angle.values), {"units": "degrees"})
     # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
     return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
 
