@@ -249,8 +249,9 @@ def _labelled(path, source, **how):
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
         raise refusal(path, "variables", MOST, dataset.nbytes)
-    held = dataset.variables.items()
-    dataset = dataset.assign({name: with_one_fill(path, name, stored) for name, stored in held})
+    filled = {name: with_one_fill(path, name, each) for name, each in dataset.variables.items()}
+    changed = {name: each for name, each in filled.items() if each is not dataset.variables[name]}
+    dataset = dataset.assign(changed)
     for variable in dataset.variables.values():
         unit, since, day = str(variable.attrs.get("units", "")).partition(" since ")
         if since and unit in TIMES:
@@ -268,6 +269,13 @@ def _labelled(path, source, **how):
     if is_gps and "slow_time" in decoded:
         utc = utc_times(decoded["slow_time"], gps=True)
         decoded = decoded.assign_coords(slow_time=utc).assign_attrs(source_format="xopr")
+    _convert_units(path, decoded)
+    # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
+    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
+
+
+def _convert_units(path, decoded):
+    """Convert travel times of a dataset to seconds, and positions in radians to degrees."""
     for name in TRAVEL_TIMES.keys() & decoded.variables.keys():
         unit = str(decoded[name].attrs.get("units") or TRAVEL_TIMES[name]).strip().lower()
         if unit not in SECONDS:
@@ -279,8 +287,6 @@ def _labelled(path, source, **how):
         angle = decoded[name]
         if str(angle.attrs.get("units", "")).strip().lower() in RADIANS:
             decoded[name] = (angle.dims, np.degrees(angle.values), {"units": "degrees"})
-    # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
-    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
 
 
 def _read_mat5(file, shapes, names):
