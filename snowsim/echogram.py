@@ -34,7 +34,7 @@ UNITS = {
 AXES_OF_VARIABLE = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
 ALONG_TRACK = [name for name in UNITS if name not in AXES_OF_VARIABLE]
 SURFACE_NAME = "surface"
-MOST_REPEATED = 0.1
+MOST_REPEATED = 0.1  # share of range lines with a repeated time, beyond which a file is refused
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 FRAME_IN_NAME = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
@@ -194,6 +194,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
         Two-way travel time of the range bins, evenly spaced [s].
     slow_time : array_like of datetime64, (range_line,), optional
         UTC; by default, range lines are a millisecond apart from 2000-01-01 on.
+        Of range lines of the same time the first is kept, with a warning.
     attrs : dict, optional
         Attributes of the dataset.
     **along_track : array_like, (range_line,)

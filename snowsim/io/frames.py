@@ -205,7 +205,8 @@ def _layers_from_surface(path, layer_names):
         held = layers["layer"].values.astype(str)
         wanted = [as_named(name, held) for name in layer_names]
         layers = layers.reindex(layer=wanted, fill_value=absent)
-        layers = layers.assign_coords(layer=list(layer_names))
+        if wanted != list(layer_names):
+            layers = layers.assign_coords(layer=list(layer_names))
         check_layers(layers, f"{path}: in the order of layer_names")
     if not begins_with_surface(layers):
         expected = "one named surface (from the organizer file beside it), the first"

@@ -308,7 +308,7 @@ def _with_surface_named(dataset):
 def as_named(name, names):
     """The name of a layer as it is among `names`, which have "surface" for "Surface"."""
     is_other = str(name) not in names and str(name).lower() == SURFACE_NAME
-    return SURFACE_NAME if is_other else str(name)
+    return SURFACE_NAME if is_other else name
 
 
 def _without_placeholders(dataset, where):
