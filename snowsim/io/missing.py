@@ -1,5 +1,6 @@
 """What the attributes of a stored variable declare as missing, in NetCDF and in Zarr."""
 
+import math
 import warnings
 from dataclasses import dataclass
 
@@ -74,78 +75,79 @@ class _Numbers:
     A declared number is one of the file, unless its type shows that it is one after scaling: it is
     a float where the file holds whole numbers, or a longer float (NetCDF User's Guide, attribute
     conventions). A missing value to which no whole number of the file is scaled is one of the file.
+    Numbers are compared in the type of the file, for arrays may fill half of the memory.
     """
 
     stored: np.ndarray
     attrs: dict
 
     @property
-    def scale(self):
-        return float(np.ravel(self.attrs.get("scale_factor", 1))[0])
-
-    @property
-    def offset(self):
-        return float(np.ravel(self.attrs.get("add_offset", 0))[0])
-
-    @property
     def values(self):
         """Values of the file; bytes that are declared as unsigned are."""
-        unsigned = str(self.attrs.get("_Unsigned", "")).lower() == "true"
-        kinds = self.stored.dtype.str
-        return self.stored.view(kinds.replace("i", "u")) if unsigned else self.stored
+        if str(self.attrs.get("_Unsigned", "")).lower() != "true":
+            return self.stored
+        return self.stored.view(self.stored.dtype.str.replace("i", "u"))
 
     @property
-    def scaled(self):
-        return self.values * self.scale + self.offset
+    def is_whole(self):
+        return self.values.dtype.kind != "f"
+
+    @property
+    def scale(self):
+        return float(np.ravel(self.attrs.get("scale_factor", 1))[0])
 
     def is_scaled(self, number):
         """Whether a declared number is one after scaling."""
         if self.attrs.keys().isdisjoint({"scale_factor", "add_offset"}):
             return False
-        is_longer = self.values.dtype.kind != "f" or number.itemsize > self.values.itemsize
+        is_longer = self.is_whole or number.itemsize > self.values.itemsize
         return number.dtype.kind == "f" and is_longer
 
-    def comparable(self, number):
-        """The number in the type of the file if that has floats, or whole numbers of its length."""
+    def unscaled(self, number):
+        """The number before scaling: of the type of the file, or for whole numbers any."""
+        if self.is_scaled(number):
+            number = (number - float(np.ravel(self.attrs.get("add_offset", 0))[0])) / self.scale
         dtype = self.values.dtype
-        is_same_length = number.dtype.kind in "iu" and number.itemsize == dtype.itemsize
-        if (dtype.kind == "f" and not self.is_scaled(number)) or (
-            dtype.kind == "u" and is_same_length
-        ):
-            with np.errstate(over="ignore"):
-                return number.astype(dtype)
-        return number
+        if not self.is_whole:
+            return _as_type(number, dtype)
+        if dtype.kind == "u" and number.dtype.kind == "i" and number.itemsize == dtype.itemsize:
+            return int(number.astype(dtype))  # attributes have the sign that the file stores
+        return int(number) if number.dtype.kind in "iu" else float(number)
 
     def in_disorder(self, limits):
-        """Whether a least number is larger than the largest, or one of both is NaN."""
-        limits = self.comparable(limits)
-        return not limits[0] <= limits[-1]
+        """Whether the least number is larger than the largest, or one of them is NaN."""
+        return not self.unscaled(limits[0]) * self.sign(limits[0]) <= (
+            self.unscaled(limits[-1]) * self.sign(limits[-1])
+        )
+
+    def sign(self, number):
+        """-1 where scaling turns the order of numbers round and the number is scaled, else 1."""
+        return -1 if self.is_scaled(number) and self.scale < 0 else 1
 
     def equal(self, number):
         """Where values equal a number, bool."""
-        is_float = self.values.dtype.kind == "f"
-        same = self.values == (
-            number.astype(self.values.dtype) if is_float else self.comparable(number)
-        )
-        if not self.is_scaled(number):
-            return same
-        if is_float:
-            # Floats that equal a declared number by chance are rare: both readings count.
-            return same | np.isclose(self.scaled, number, rtol=1e-6, atol=0)
-        code = (number - self.offset) / self.scale
+        meant = self.unscaled(number)
+        if not self.is_whole:
+            same = self.values == _as_type(number, self.values.dtype)
+            # Values that equal a declared number by chance are rare: both readings count.
+            return same | (np.abs(self.values - meant) <= 1e-6 * abs(meant))
         limits = np.iinfo(self.values.dtype)
-        is_whole = abs(code - np.rint(code)) < 1e-3 + 1e-6 * abs(code)
-        if is_whole and limits.min <= np.rint(code) <= limits.max:
-            return self.values == np.rint(code)
-        return same
+        is_near = np.isfinite(meant) and abs(meant - np.rint(meant)) < 1e-3 + 1e-6 * abs(meant)
+        if self.is_scaled(number) and not (is_near and limits.min <= np.rint(meant) <= limits.max):
+            meant = float(number)
+            is_near = meant == np.rint(meant)
+        return self.values == int(np.rint(meant)) if is_near else np.zeros(self.values.shape, bool)
 
     def beyond(self, limit, end):
         """Where values lie beyond a limit, bool; scaled whole numbers by more than half a step."""
-        values = self.values
-        slack = 0
-        if self.is_scaled(limit):
-            values = self.scaled
-            slack = abs(self.scale) / 2 if self.values.dtype.kind != "f" else 0
-        else:
-            limit = self.comparable(limit)
-        return values < limit - slack if end == "least" else values > limit + slack
+        bound = self.unscaled(limit)
+        is_least = (end == "least") == (self.sign(limit) == 1)
+        if self.is_whole and np.isfinite(bound):
+            margin = 0.5 if self.is_scaled(limit) else 0
+            bound = math.ceil(bound - margin) if is_least else math.floor(bound + margin)
+        return self.values < bound if is_least else self.values > bound
+
+
+def _as_type(number, dtype):
+    with np.errstate(over="ignore"):
+        return np.asarray(number).astype(dtype)[()]

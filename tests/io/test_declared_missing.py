@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from snowsim.alignment import flagged_lines
 from snowsim.echogram import to_db
 from snowsim.io import read_echogram, read_layers
+from snowsim.io.missing import with_one_fill
 
 PACKED = {"scale_factor": 0.02, "add_offset": -60.0}
 CODE = np.int16
@@ -210,3 +211,19 @@ def test_a_missing_flag_of_a_supplement_is_not_set(tmp_path, content):
     flags = xr.Dataset({"low_SNR": ("line", low.astype("u1"), {"valid_range": [0, 1]})})
     flags.to_netcdf(tmp_path / "IRSNO1B_20120330_04_017_supplement.nc")
     assert_array_equal(flagged_lines(read_echogram(path))["low_SNR"], low == 1)
+
+
+@pytest.mark.parametrize("scale", [-2.0, -0.01, 0.01, 0.5])
+@pytest.mark.parametrize("offset", [0.0, -40.0])
+@pytest.mark.parametrize("dtype", ["i1", "u1", ">i2", "i4", "i8"])
+def test_a_range_and_a_missing_value_mean_the_same_in_codes_and_scaled(rng, dtype, scale, offset):
+    codes = rng.integers(0, 100, 50).astype(dtype)
+    ends, missing = np.sort(rng.choice(codes, 2)), codes[7]
+    expected = (codes < ends[0]) | (codes > ends[1]) | (codes == missing)
+    scaled_ends = np.sort(offset + scale * ends.astype(float))
+    scaled = {"valid_range": scaled_ends, "missing_value": offset + scale * float(missing)}
+    for declared in ({"valid_range": ends, "missing_value": missing}, scaled):
+        attrs = declared | {"scale_factor": scale, "add_offset": offset}
+        stored = with_one_fill("file", "x", xr.Variable("x", codes.copy(), attrs))
+        decoded = xr.decode_cf(xr.Dataset({"x": stored}))["x"].values
+        assert_array_equal(np.isnan(decoded), expected)
