@@ -27,7 +27,7 @@ def with_one_fill(path, name, stored):
     values = np.array(stored.values)
     attrs = {key: value for key, value in stored.attrs.items() if key not in declared}
     numbers = _Numbers(values, attrs)
-    missing = np.isnan(values)
+    missing = np.isnan(values) if values.dtype.kind == "f" else np.zeros(values.shape, dtype=bool)
     for key in declared.keys() & {*FILLS}:
         for number in _numbers_of(declared[key]):
             missing |= numbers.equal(number)
