@@ -11,7 +11,15 @@ import pandas as pd
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import SURFACE_ROW, Scene, check_choice, scene_height, to_uint8
+from snowsim.echogram import (
+    INVENTED_TIME,
+    SURFACE_ROW,
+    Scene,
+    check_choice,
+    named_frame,
+    scene_height,
+    to_uint8,
+)
 
 OVERLAP_LINES = 6  # range lines that neighbouring blocks share
 FLAGGED = "range lines flagged"  # last words of the reason why a block is skipped
@@ -21,6 +29,13 @@ FAR_M = 500.0  # if layers are further from the echogram, their range lines are 
 FARTHEST_PICK = 1.5
 # [spacings] Two files differ by less than this in the time of a range line, by rounding alone.
 SAME_LINE_SPACINGS = 1e-3
+# A flight may pass midnight, and segments are named by the day on which they begin.
+MOST_DAYS = 1
+FAR_APART_M = (
+    1000.0  # neighbouring range lines: aircraft fly at 60 to 250 m/s and record many a second
+)
+FASTEST_M_S = 350.0
+LEAST_SPACING_M = 0.01  # below this mean spacing all range lines lie on one spot
 LEVELLING = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement for which a range line is left out by default; the archive's
 # analysts set them for whole frames. Lines with the three other flags are kept.
@@ -117,6 +132,70 @@ def along_track_m(echogram):
     inside = np.arange(known[0], known[-1] + 1)
     along_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
     return along_m
+
+
+def contradictions(echogram, name=""):
+    """Notes on a checked echogram where file name, times and positions contradict one another.
+
+    At most one note on the date in the file's `name`, or in the attribute `granule`, and one on
+    places: degrees that may be radians, range lines on one spot or kilometres apart, a speed that
+    no aircraft has. Nothing is changed.
+    """
+    notes = (_note_on_date(echogram, name), _note_on_place(echogram))
+    return [note for note in notes if note is not None]
+
+
+def _note_on_date(echogram, name):
+    segment = named_frame(name)[0] or named_frame(str(echogram.attrs.get("granule", "")))[0]
+    first = echogram["slow_time"].values[0]
+    if segment is None or first == INVENTED_TIME:
+        return None
+    day = pd.to_datetime(segment[:8], format="%Y%m%d", errors="coerce")
+    if pd.isna(day) or abs((pd.Timestamp(first).normalize() - day).days) <= MOST_DAYS:
+        return None
+    return (
+        f"the name says {day:%Y-%m-%d}, but slow_time begins on {pd.Timestamp(first):%Y-%m-%d}: "
+        "is it counted from another date? Layers are dated by slow_time"
+    )
+
+
+def _note_on_place(echogram):
+    positions = positions_of(echogram)
+    positions = positions[:, np.isfinite(positions).all(axis=0)]
+    steps_m = np.diff(along_track_m(echogram))
+    steps_m = steps_m[np.isfinite(steps_m)]
+    if steps_m.size == 0:
+        return None
+    # Degrees as small as any radians: the Gulf of Guinea, without snow or ice.
+    largest = np.degrees(np.abs(positions).max(axis=1))
+    if largest.max() > 0 and (largest <= (np.pi / 2, 2 * np.pi)).all():
+        north, east = np.degrees(positions[:, 0])
+        return (
+            f"Latitude and Longitude: expected degrees of a place with snow, found {north:.5g}, "
+            f"{east:.5g}: are they radians? Taken as degrees, by which range lines lie too close"
+        )
+    extent_m = distance_m(positions[:, :1], positions).max()
+    if extent_m < LEAST_SPACING_M * steps_m.size:
+        return (
+            f"all range lines lie within {extent_m:.2g} m: expected lines along a flight, for how "
+            "many are averaged follows from their spacing"
+        )
+    n_far = int((steps_m > FAR_APART_M).sum())
+    if n_far:
+        return (
+            f"{n_far} of {steps_m.size} steps from range line to range line are longer than 1 km, "
+            f"up to {steps_m.max() / 1000:.4g} km: expected metres, for layers are followed across"
+        )
+    times = echogram["slow_time"].values
+    interval_s = np.median(np.diff(times)) / np.timedelta64(1, "s")
+    speed_m_s = np.median(steps_m) / interval_s
+    if speed_m_s > FASTEST_M_S and times[0] != INVENTED_TIME:
+        return (
+            f"range lines {np.median(steps_m):.3g} m and {interval_s:.3g} s apart mean "
+            f"{speed_m_s:.4g} m/s: expected less than {FASTEST_M_S:g}, so dates, or how many lines "
+            "are averaged, are wrong"
+        )
+    return None
 
 
 def with_fixes(dataset):

@@ -134,13 +134,16 @@ def info(file):
       snowsim info results/labels/0000.nc
     """  # noqa: D205, D301
     from snowsim.io.describe import describe
+    from snowsim.io.files import noted
 
-    lines, dataset = describe(file)
+    with noted(file) as notes:
+        lines, dataset = describe(file)
     for name, line in lines.items():
         click.echo(f"{name:<7} {line}")
     if dataset is not None and "Data" in dataset:
-        for note in track_notes(file, dataset):
-            click.echo(f"note    {note}")
+        notes += track_notes(file, dataset)
+    for note in notes:
+        click.echo(f"note    {note}")
 
 
 def track_notes(path, echogram):

@@ -1,6 +1,7 @@
 """The data model: echogram and layer datasets, scenes and echoes, their checks, 8-bit scaling."""
 
 import re
+import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -32,6 +33,8 @@ UNITS = {
 }
 AXES_OF_VARIABLE = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
 ALONG_TRACK = [name for name in UNITS if name not in AXES_OF_VARIABLE]
+SURFACE_NAME = "surface"
+MOST_REPEATED = 0.1  # share of range lines with a repeated time, beyond which a file is refused
 INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
 FRAME_IN_NAME = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
@@ -144,6 +147,36 @@ class Scene:
         return layer_mask(self.layer_bins, self.n_range_bins)
 
 
+def is_surface(name):
+    """Whether a layer is named surface, in any case, with or without its group."""
+    return str(name).rpartition(":")[2].strip().lower() == SURFACE_NAME
+
+
+def repeats(slow_time):
+    """Range lines that have the time of the line before, bool (range_line,).
+
+    None where they are more than a tenth of all: then the clock stood still.
+    """
+    same = np.append(False, np.diff(slow_time) == np.timedelta64(0))
+    return same & (same.sum() <= max(1, MOST_REPEATED * same.size))
+
+
+def without_repeats(dataset, where):
+    """The dataset without range lines of a repeated time, of which a warning tells."""
+    slow_time = dataset["slow_time"]
+    if slow_time.dims != ("slow_time",) or slow_time.dtype.kind != "M" or slow_time.size == 0:
+        return dataset  # checks refuse it
+    repeated = repeats(slow_time.values)
+    if not repeated.any():
+        return dataset
+    msg = (
+        f"{where}: slow_time: {repeated.sum()} of {repeated.size} range lines are left out, for "
+        f"they have the time of the line before (the first is {repeated.argmax()})"
+    )
+    warnings.warn(msg, UserWarning, stacklevel=2)
+    return dataset.isel(slow_time=~repeated)
+
+
 def named_frame(path):
     """Segment and frame number in a file's name; (None, None) if the name does not hold them."""
     named = FRAME_IN_NAME.search(Path(path).stem)
@@ -161,6 +194,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
         Two-way travel time of the range bins, evenly spaced [s].
     slow_time : array_like of datetime64, (range_line,), optional
         UTC; by default, range lines are a millisecond apart from 2000-01-01 on.
+        Of range lines of the same time the first is kept, with a warning.
     attrs : dict, optional
         Attributes of the dataset.
     **along_track : array_like, (range_line,)
@@ -230,6 +264,7 @@ def echogram_dataset(where, content, attributes):
             dataset[name] = (AXES_OF_VARIABLE.get(name, "slow_time"), values)
             if name in UNITS:
                 dataset[name].attrs["units"] = UNITS[name]
+    dataset = without_repeats(dataset, where)
     check_echogram(dataset, str(where))
     return as_recorded(dataset)
 
@@ -472,11 +507,29 @@ def check_echogram(echogram, where="echogram"):
 def check_layers(layers, where="layers"):
     """Raise ValueError, naming `where`, unless layers follow the Open Polar Radar convention.
 
-    They hold `twtt`, `quality` and `type` on (layer, slow_time), and do not cross.
+    They hold `twtt`, `quality` and `type` on (layer, slow_time), and do not cross. Positions, where
+    they have them, are those of range lines. Picks lie within `twtt_low` and `twtt_high`.
     """
     axes = ("layer", "slow_time")
     _check_variables(layers, dict.fromkeys(("twtt", "quality", "type"), axes), where)
     check_layer_bins(layers["twtt"].transpose(*axes).values, f"{where}: twtt")
+    for name in ("Latitude", "Longitude", "Elevation"):
+        if name in layers and "layer" in layers[name].dims:
+            msg = (
+                f"{where}: {name}: expected along slow_time alone, found {layers[name].dims}: take "
+                "that of one layer, or join layers by xr.concat(..., data_vars='minimal')"
+            )
+            raise ValueError(msg)
+    if {"twtt_low", "twtt_high"} <= set(layers):
+        outside = (layers["twtt"] < layers["twtt_low"]) | (layers["twtt"] > layers["twtt_high"])
+        if outside.any():
+            layer, line = np.argwhere(outside.transpose(*axes).values)[0]
+            msg = (
+                f"{where}: twtt: expected picks within twtt_low and twtt_high, found "
+                f"{outside.values.sum()} outside (the first: layer {layer}, range line {line}): "
+                "move the limits with the pick, or set them to NaN"
+            )
+            raise ValueError(msg)
 
 
 def _check_variables(dataset, axes, where):
@@ -489,9 +542,16 @@ def _check_variables(dataset, axes, where):
         msg = f"{where}: expected variables {expected}, found {found or 'none'}"
         raise ValueError(msg)
     slow_time = dataset["slow_time"].values
+    missing = np.isnat(slow_time) if slow_time.dtype.kind == "M" else np.zeros(1, dtype=bool)
+    if missing.any():
+        msg = (
+            f"{where}: slow_time: expected a time on every range line, found none on "
+            f"{missing.sum()} of {missing.size} (the first is {missing.argmax()})"
+        )
+        raise ValueError(msg)
     later = np.zeros(1, dtype=bool)
     if np.issubdtype(slow_time.dtype, np.datetime64) and slow_time.size:
-        later = np.append(~np.isnat(slow_time[0]), np.diff(slow_time) > np.timedelta64(0))
+        later = np.append(True, np.diff(slow_time) > np.timedelta64(0))
     if not later.all():
         line = int(later.argmin())
         n_late = later.size - later.sum()

@@ -14,12 +14,11 @@ from tempfile import TemporaryFile
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import check_choice, from_uint8, named_frame
+from snowsim.echogram import SURFACE_NAME, check_choice, from_uint8, named_frame
 from snowsim.io import echogram, read_echogram
 from snowsim.io.echograms import frame_in
-from snowsim.io.files import image_format_of, library_errors, refusal
+from snowsim.io.files import image_format_of, library_errors, noted, refusal
 from snowsim.io.layers import (
-    SURFACE_NAME,
     TRACKED_PREFIX,
     numbers_in_names,
     refuse_existing,
@@ -318,13 +317,14 @@ def _load_and_detect(tracker, path, named, bin_s, others):
                 "the picture is bright above and below: expected bright layers on a dark ground"
             )
         return _Frame(path, None, None, evidence, tuple(notes))
-    echogram = read_echogram(path)
+    with noted(path) as told:
+        echogram = read_echogram(path)
     segment, number = named if named[0] else frame_in(echogram, path)
     for other in others:
         if number is not None and (other.segment, other.number) == (segment, number):
             raise refusal(path, "frame", "one file of each", f"that of {other.path}")
     evidence = tracker.detect(echogram, str(path))
-    return _Frame(path, segment, number, evidence, evidence.notes)
+    return _Frame(path, segment, number, evidence, (*told, *evidence.notes))
 
 
 def _image_as_echogram(path, bin_s):
@@ -475,5 +475,6 @@ def _draw_picks(path, layers, folder, bin_s):
     picture = _picture_file(folder, path)
     with library_errors(picture, "picture: expected layers that can be drawn"):
         is_image = image_format_of(path) is not None
-        drawn_on = _image_as_echogram(path, bin_s) if is_image else read_echogram(path)
+        with noted(path):  # as when it was tracked
+            drawn_on = _image_as_echogram(path, bin_s) if is_image else read_echogram(path)
         write_picture(picture, layers, [drawn_on])

@@ -75,7 +75,11 @@ def planted(rng, *, n_bins=400, n_lines=300, bin_s=BIN_S, spacing_m=SPACING_M, c
     power = (mean * rng.gamma(16, 1 / 16, mean.shape)).astype(np.float32)
     latitude = 70 + lines * SPACING_M / METRES_PER_DEGREE
     echogram, picks = placeholder_frame(power, layers * BIN_S / bin_s, latitude, bin_s=bin_s)
-    return echogram, picks.copy(deep=True)  # the surface of both is one array
+    # The surface of both is one array.
+    picks = picks.copy(deep=True)
+    # At 130 m/s.
+    slow_time = np.datetime64("2012-01-01", "ns") + (4e7 * lines).astype("timedelta64[ns]")
+    return tuple(each.assign_coords(slow_time=slow_time) for each in (echogram, picks))
 
 
 def content_of(echogram, lines=slice(None)):

@@ -80,7 +80,7 @@ def test_a_good_echogram_passes_in_any_order_of_dimensions():
             lambda e: e.assign_coords(
                 slow_time=e["slow_time"].where(e["slow_time"] != e["slow_time"][3])
             ),
-            "f.nc: slow_time must increase.* range line 3",
+            "f.nc: slow_time: expected a time on every range line, .*first is 3",
         ),
         (lambda e: e.assign(Data=-e["Data"]), "f.nc: Data: expected linear power"),
     ],

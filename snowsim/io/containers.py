@@ -41,6 +41,7 @@ from snowsim.io.files import (
     refusal,
     write_bytes,
 )
+from snowsim.io.missing import with_one_fill
 from snowsim.io.times import utc_times
 
 SUPPLEMENT_FLAGS = (
@@ -86,6 +87,9 @@ SECONDS = {
     "nanoseconds": 1e-9,
     "ns": 1e-9,
 }
+# Variables of positions that become degrees where their attribute `units` says radians.
+ANGLES = ("Latitude", "Longitude", "lat", "lon")
+RADIANS = ("radian", "radians", "rad")
 # Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
 # cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
@@ -94,6 +98,7 @@ TELL_GPS = {"granule", "mimetype", "source_url"}
 TELL_UTC = {"source_format", "synthetic", "tracker"}
 
 NETCDF3, HDF5 = b"CDF", b"\x89HDF\r\n\x1a\n"
+CDF5 = b"CDF\x05"  # scipy does not read it
 USER_BLOCK_BYTES = 512  # in front of the HDF5 data of a MAT v7.3 file
 # The header of a MAT v5 file: text first, the byte order last. The text of scipy has a date, by
 # which two files of the same content would differ.
@@ -154,6 +159,9 @@ def open_container(path, content=None):
         raise refusal(path, "content", KINDS, f"a {picture} image")
     if path.is_dir():
         return _labelled(path, path, engine="zarr", consolidated=False)
+    if content.startswith(CDF5):
+        found = "NetCDF classic of 64-bit data, CDF-5 (nccopy -k nc4 OLD NEW converts it)"
+        raise refusal(path, "content", KINDS, found)
     if content.startswith(NETCDF3):
         # Not by netCDF4: it never returned on 3 of 400 damaged files.
         return _labelled(path, BytesIO(content), engine="scipy")
@@ -234,13 +242,16 @@ def check_heaps(content):
 def _labelled(path, source, **how):
     """`Stored` of a NetCDF file or Zarr store, decoded by its CF attributes.
 
-    Travel times become seconds. `slow_time` of xopr, which includes leap seconds, becomes UTC. Only
-    a declared fill value becomes NaN. Durations stay numbers: rounded to nanoseconds, range bins
-    would be lost.
+    Travel times become seconds, and positions in radians degrees. `slow_time` of xopr, which
+    includes leap seconds, becomes UTC. Only what is declared as missing becomes NaN. Durations stay
+    numbers: rounded to nanoseconds, range bins would be lost.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
         raise refusal(path, "variables", MOST, dataset.nbytes)
+    filled = {name: with_one_fill(path, name, each) for name, each in dataset.variables.items()}
+    changed = {name: each for name, each in filled.items() if each is not dataset.variables[name]}
+    dataset = dataset.assign(changed)
     for variable in dataset.variables.values():
         unit, since, day = str(variable.attrs.get("units", "")).partition(" since ")
         if since and unit in TIMES:
@@ -258,6 +269,13 @@ def _labelled(path, source, **how):
     if is_gps and "slow_time" in decoded:
         utc = utc_times(decoded["slow_time"], gps=True)
         decoded = decoded.assign_coords(slow_time=utc).assign_attrs(source_format="xopr")
+    _convert_units(path, decoded)
+    # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
+    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
+
+
+def _convert_units(path, decoded):
+    """Convert travel times of a dataset to seconds, and positions in radians to degrees."""
     for name in TRAVEL_TIMES.keys() & decoded.variables.keys():
         unit = str(decoded[name].attrs.get("units") or TRAVEL_TIMES[name]).strip().lower()
         if unit not in SECONDS:
@@ -265,8 +283,10 @@ def _labelled(path, source, **how):
         if SECONDS[unit] != 1:
             seconds = decoded[name].values * SECONDS[unit]
             decoded[name] = (decoded[name].dims, seconds, {"units": "s"})
-    # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
-    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
+    for name in decoded.variables.keys() & {*ANGLES}:
+        angle = decoded[name]
+        if str(angle.attrs.get("units", "")).strip().lower() in RADIANS:
+            decoded[name] = (angle.dims, np.degrees(angle.values), {"units": "degrees"})
 
 
 def _read_mat5(file, shapes, names):

@@ -16,6 +16,8 @@ from snowsim.echogram import (
     check_echogram,
     echogram_dataset,
     named_frame,
+    repeats,
+    without_repeats,
 )
 from snowsim.io.containers import (
     ECHOGRAMS,
@@ -133,6 +135,7 @@ def read_opr(stored):
     if "Surface" not in dataset:
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
         dataset["Surface"] = unknown.assign_attrs(units="s")
+    dataset = without_repeats(dataset, stored.path)
     check_echogram(dataset, str(stored.path))
     return as_recorded(dataset.transpose("twtt", "slow_time", ...))
 
@@ -205,7 +208,8 @@ def read_nsidc(stored, *, compensated=False):
         echogram = undo_compensation(echogram)
     supplement = find_supplement(stored.path)
     if supplement is not None:
-        echogram["quality_mask"] = _quality_mask(supplement, times.size)
+        dims, mask, attrs = _quality_mask(supplement, times.size)
+        echogram["quality_mask"] = dims, mask[~repeats(content["slow_time"])], attrs
         echogram.attrs["supplement"] = supplement.name
     return echogram
 
@@ -230,7 +234,7 @@ def _quality_mask(path, n_lines):
             raise refusal(path, "supplement", expected, "none of them")
         for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
             if name in stored:
-                mask |= bit * (stored[name].values != 0)
+                mask |= bit * (np.nan_to_num(stored[name].values) != 0)  # NaN: declared as missing
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}
 
 

@@ -6,6 +6,7 @@ import glob
 import os
 import platform
 import shutil
+import warnings
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -67,6 +68,22 @@ def library_errors(path, expected="expected a whole file"):
         found = getattr(error, "strerror", None) or f"{type(error).__name__} {error}"
         msg = f"{expected}, found {found}"
         raise BadFile(msg, path) from error
+
+
+@contextmanager
+def noted(path):
+    """Context whose warnings about a file become notes, a list of str that is full at its end."""
+    notes = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        yield notes
+    for warning in caught:
+        if issubclass(warning.category, UserWarning):
+            notes.append(str(warning.message).removeprefix(f"{path}: "))
+        else:
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
 
 
 def listed(names):

@@ -19,7 +19,7 @@ from snowsim.echogram import check_choice, check_layers
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
-from snowsim.io.layers import VALUES_WITHOUT_PICK, begins_with_surface
+from snowsim.io.layers import VALUES_WITHOUT_PICK, as_named, begins_with_surface
 from snowsim.io.pairs import PLAIN_NAME, SCENE_NAME
 from snowsim.io.times import leap_seconds
 from snowsim.progress import with_progress
@@ -202,7 +202,11 @@ def _layers_from_surface(path, layer_names):
     layers = read_layers(path, names=layer_names, missing="skip")
     if layer_names is not None:
         absent = {"twtt": np.nan, **VALUES_WITHOUT_PICK}
-        layers = layers.reindex(layer=list(layer_names), fill_value=absent)
+        held = layers["layer"].values.astype(str)
+        wanted = [as_named(name, held) for name in layer_names]
+        layers = layers.reindex(layer=wanted, fill_value=absent)
+        if wanted != list(layer_names):
+            layers = layers.assign_coords(layer=list(layer_names))
         check_layers(layers, f"{path}: in the order of layer_names")
     if not begins_with_surface(layers):
         expected = "one named surface (from the organizer file beside it), the first"

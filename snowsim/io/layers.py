@@ -9,7 +9,16 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import UNITS, check_choice, check_layers, crossing_layers, named_frame
+from snowsim.echogram import (
+    SURFACE_NAME,
+    UNITS,
+    check_choice,
+    check_layers,
+    crossing_layers,
+    is_surface,
+    named_frame,
+    without_repeats,
+)
 from snowsim.io.containers import (
     POSITION,
     format_of,
@@ -22,7 +31,6 @@ from snowsim.io.echograms import l1b_content, parameters
 from snowsim.io.files import library_errors, locked, one_line, refusal, write_dataset
 from snowsim.io.times import gps_seconds, utc_times
 
-SURFACE_NAME = "surface"
 TRACKED_PREFIX = "snow_"  # begins the names of layers that `snowsim track` found
 # Names of the first two entries of an old file without names, by convention of the format.
 OLD_NAMES = ("surface", "bottom")
@@ -96,7 +104,10 @@ def _read_layers(path, names, missing):
     }
     stored = open_container(path)
     kind = format_of(stored, readers)
-    return select_layers(readers[kind](stored), names, missing, stored.path)
+    layers = readers[kind](stored)
+    if "slow_time" in layers:
+        layers = without_repeats(layers, stored.path)
+    return select_layers(layers, names, missing, stored.path)
 
 
 def open_segment(paths):
@@ -248,6 +259,9 @@ def read_opr_layers(stored):
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")
+    for name in VALUES_WITHOUT_PICK:
+        if dataset[name].isnull().any():  # declared as missing
+            dataset[name] = dataset[name].fillna(0)
     return dataset.transpose(*LAYER_AXES, ...)
 
 
@@ -255,12 +269,16 @@ def select_layers(dataset, names, missing, where):
     """Layers of the given `names`, or all if None, checked.
 
     Named layers are ordered from the surface down, and those without picks are left out. Numbered
-    layers keep their order and are all kept; the first is the surface.
+    layers keep their order and are all kept; the first is the surface. A layer "Surface", in any
+    case, is named surface.
     """
+    dataset = _with_surface_named(dataset)
     index = dataset.get_index("layer")  # numbers, if the file has no coordinate `layer`
     named = index.dtype.kind in "OUS"
     labels = index.astype(str)
-    wanted = labels if names is None else pd.Index(list(names), dtype=str)
+    wanted = labels
+    if names is not None:
+        wanted = pd.Index([as_named(name, labels) for name in names], dtype=str)
     # Zero means that nobody picked.
     dataset["twtt"] = dataset["twtt"].where(dataset["twtt"] != 0)
     has_picks = dataset["twtt"].notnull().any("slow_time").values
@@ -275,6 +293,22 @@ def select_layers(dataset, names, missing, where):
     dataset = _without_placeholders(dataset.isel(layer=keep), where)
     check_layers(dataset, str(where))
     return dataset
+
+
+def _with_surface_named(dataset):
+    """The layers with the name surface for a layer that has it in another case, as "Surface"."""
+    index = dataset.get_index("layer")
+    spelled = [str(name) for name in index if str(name).lower() == SURFACE_NAME]
+    if len(spelled) != 1 or spelled == [SURFACE_NAME]:
+        return dataset
+    names = [SURFACE_NAME if name == spelled[0] else str(name) for name in index]
+    return dataset.assign_coords(layer=("layer", np.array(names, str), dataset["layer"].attrs))
+
+
+def as_named(name, names):
+    """The name of a layer as it is among `names`, which have "surface" for "Surface"."""
+    is_other = str(name) not in names and str(name).lower() == SURFACE_NAME
+    return SURFACE_NAME if is_other else name
 
 
 def _without_placeholders(dataset, where):
@@ -334,7 +368,9 @@ def begins_with_surface(layers):
 def surface_among(names):
     """Index of the name of the snow surface, with or without its group, or None."""
     plain = [name.rpartition(":")[2] for name in names]
-    return plain.index(SURFACE_NAME) if SURFACE_NAME in plain else None
+    if SURFACE_NAME in plain:
+        return plain.index(SURFACE_NAME)
+    return next((number for number, name in enumerate(names) if is_surface(name)), None)
 
 
 def find_organizer(path):
@@ -476,7 +512,7 @@ def numbers_in_names(layers):
         return np.arange(layers.sizes["layer"])
     numbers = []
     for name in map(str, layers["layer"].values):
-        digits = "0" if name == SURFACE_NAME else name.removeprefix(TRACKED_PREFIX)
+        digits = "0" if name.lower() == SURFACE_NAME else name.removeprefix(TRACKED_PREFIX)
         if not digits.isdecimal():
             msg = f"layer: expected {SURFACE_NAME}, snow_1, snow_2 and so on, found {name!r}"
             raise ValueError(msg)

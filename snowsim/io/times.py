@@ -37,13 +37,17 @@ def utc_times(times, *, gps=False):
 
     With `gps`, `times` are GPS time, and the leap seconds are subtracted. The whole file has the
     offset of its first line, as in the archive's own conversion to NetCDF, so that a frame flown
-    across a leap second stays in order. Times outside `THIS_AGE` are refused.
+    across a leap second stays in order. Missing times, and times outside `THIS_AGE`, are refused.
     """
     name = getattr(times, "name", "slow_time")
     times = np.ravel(times)
     is_dated = times.dtype.kind == "M"
     seconds = (times - SINCE) / np.timedelta64(1, "s") if is_dated else times.astype(float)
     first, end = np.array(THIS_AGE, dtype="datetime64[s]").astype(float)
+    missing = np.isnan(seconds)
+    if missing.any():
+        found = f"none on {missing.sum()} of {missing.size} (the first is {missing.argmax()})"
+        raise refusal(None, name, "a time on every range line", found)
     inside = (seconds >= first) & (seconds < end)
     if not inside.all():
         expected = f"units 'since' a date, or seconds since 1970, in {' to '.join(THIS_AGE)}"

@@ -8,12 +8,11 @@ import pandas as pd
 
 from snowsim.alignment import with_fixes
 from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
-from snowsim.echogram import check_layers
+from snowsim.echogram import check_layers, is_surface
 from snowsim.limits import check_values
 from snowsim.snowpack.column import column_of, temperature_k_of
 from snowsim.snowpack.horizons import NINE_IN_TEN_SD, date_layers
 
-SURFACE_NAME = "surface"
 # Density at the surface if none is given. With it, the density of Herron & Langway's firn below 1 m
 # is within 3 % of the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
@@ -219,7 +218,7 @@ def _picks(layers, least_confidence):
     twtt = layers["twtt"]
     # Joined frames may be with and without confidence.
     sure = layers.get("confidence", np.nan * twtt).fillna(USUAL_CONFIDENCE).where(twtt.notnull())
-    sure[:1] = np.where(np.isin(names[:1], (SURFACE_NAME, "0")), 1, np.nan)
+    sure[:1] = [1 if is_surface(name) or name == "0" else np.nan for name in names[:1]]
     error = ((layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2).fillna(0)
     below = (twtt - twtt[0]).where(sure >= least_confidence)
     doubt = (1 - sure).clip(LEAST_DOUBT)

@@ -10,7 +10,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.alignment import along_track_m, bin_size_s, levelled, resample_range
+from snowsim.alignment import (
+    along_track_m,
+    bin_size_s,
+    contradictions,
+    levelled,
+    resample_range,
+)
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import (
     DB_BELOW_NOISE_FLOOR,
@@ -157,7 +163,8 @@ def canonical(echogram, card, where="echogram"):
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _shifts(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
-    notes = tuple(note for note in (*notes, reason) if note is not None)
+    notes = (*contradictions(echogram, where), *notes, reason)
+    notes = tuple(note for note in notes if note is not None)
     surface_db = survey.largest_db
     return Canonical(
         echogram,
@@ -203,7 +210,7 @@ def _survey_and_averaging(echogram, given, card):
     survey = _survey(echogram, given, card.bin_s, n_averaged)
     looks = pd.Series(survey.n_looks).median()
     needed = _lines_for_looks(looks, n_averaged, spacing_m, given.size, card)
-    notes = [] if spacing_m else ["no positions: range lines are used as they are"]
+    notes = [] if spacing_m else [_why_no_spacing(echogram)]
     if looks < SINGLE_LOOK:
         notes.append("single look: the tracker was trained on averages of several")
     if needed != n_averaged:
@@ -285,6 +292,13 @@ def _line_spacing_m(echogram):
     """Median distance between range lines [m], 0 if it is unknown."""
     spacing_m = pd.Series(np.diff(along_track_m(echogram))).median()
     return float(spacing_m) if SPACINGS_M[0] < spacing_m < SPACINGS_M[1] else 0.0
+
+
+def _why_no_spacing(echogram):
+    """Note on an echogram whose line spacing is unknown."""
+    known = np.isfinite(along_track_m(echogram)).any()
+    reason = "positions repeat or jump" if known else "no positions"
+    return f"{reason}: range lines are used as they are"
 
 
 def _lines_for_looks(n_looks, n_averaged, spacing_m, n_lines, card):

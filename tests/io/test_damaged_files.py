@@ -216,6 +216,7 @@ NO_DATA_BUT = {
     b"\x89PNG\r\n\x1a\n" + bytes(600): "a PNG image",
     b"%PDF-1.4" + bytes(600): "a PDF document",
     b"\x1f\x8b\x08" + bytes(600): "a packed file",
+    b"CDF\x05" + bytes(600): r"NetCDF classic of 64-bit data, CDF-5 \(nccopy -k nc4",
 }
 # What no numbers are, in place of elevations.
 NOT_ELEVATIONS = ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))]

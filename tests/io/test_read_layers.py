@@ -176,7 +176,7 @@ REFUSED = {
     "crossing": ({"twtt": [SURFACE, KOENIG_2, CROSSING]}, "must increase strictly with depth"),
     "infinite": ({"twtt": [SURFACE, KOENIG_2 * np.inf]}, "must be finite or NaN"),
     "shape": ({"id": np.arange(4.0)}, "conflicting sizes for dimension 'layer'"),
-    "no time": ({"gps_time": GPS_TIME * np.nan}, "slow_time: expected units 'since'"),
+    "no time": ({"gps_time": GPS_TIME * np.nan}, "slow_time: expected a time on every"),
     "time falls": ({"gps_time": GPS_TIME[::-1]}, "slow_time must increase"),
     "flags": ({"quality": np.full((2, N_LINES), 999.0)}, "quality: expected flags within 0 to 255"),
     "text": ({"quality": "text"}, "cannot reshape"),
