@@ -31,9 +31,8 @@ FARTHEST_PICK = 1.5
 SAME_LINE_SPACINGS = 1e-3
 # A flight may pass midnight, and segments are named by the day on which they begin.
 MOST_DAYS = 1
-FAR_APART_M = (
-    1000.0  # neighbouring range lines: aircraft fly at 60 to 250 m/s and record many a second
-)
+# Aircraft fly at 60 to 250 m/s and record several range lines a second.
+FAR_APART_M = 1000.0
 FASTEST_M_S = 350.0
 LEAST_SPACING_M = 0.01  # below this mean spacing all range lines lie on one spot
 LEVELLING = ("surface", "elevation", "none")
