@@ -32,6 +32,7 @@ PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOW_DEFAULTS = {"show_default": True}
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
+FOUR_DIGITS = range(1000, 10_000)  # of a year
 MOST_FRAMES = 999  # frames of a segment: their numbers have three digits
 force_folder_option = click.option(
     "--force",
@@ -820,13 +821,22 @@ def year_of(texts):
     if not texts:
         return None
     if len(texts) == 1 and "=" not in texts[0]:
-        return click.INT(texts[0])
+        return calendar_year(texts[0])
     named = [text.partition("=") for text in texts]
     years = {name: year for name, _, year in named}
     if len(years) < len(texts) or "" in years.values():
         msg = f"--year: expected one year, or NAME=YEAR of layers that differ, got {texts}"
         raise click.UsageError(msg)
-    return {name: click.INT(year) for name, year in years.items()}
+    return {name: calendar_year(year) for name, year in years.items()}
+
+
+def calendar_year(text):
+    """Year of four digits that an option states; 12 is none."""
+    year = click.INT(text)
+    if year not in FOUR_DIGITS:
+        msg = f"--year: expected four digits, such as 2012, got {text}"
+        raise click.UsageError(msg)
+    return year
 
 
 def echo_counts(counts):

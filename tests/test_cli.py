@@ -82,7 +82,8 @@ def place(tmp_path, rng, monkeypatch):
         ("info text.nc", 1, "text.nc: content: expected"),
         ("info scene_a.nc", 1, "found one scene (xarray opens it; export its scene set)"),
         ("info empty", 1, "empty: scenes: expected files data_*.png"),
-        ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
+        ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, or --force"),
+        ("scenes made -n 1", 1, "made: folder: expected an empty or a new one, or --force"),
         (
             "export echogram.nc out",
             2,

@@ -116,7 +116,8 @@ def open_segment(paths):
     Parameters
     ----------
     paths : iterable of path_like
-        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`.
+        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`. Organizer
+        files beside CReSIS layer files are left out, so that ``SEGMENT/*.mat`` may be given.
 
     Returns
     -------
@@ -131,7 +132,9 @@ def open_segment(paths):
         In one line, if there is no file, `read_layers` refuses one, frames overlap in time, or
         tracked frames belong to several segments or several calls of `snowsim track`.
     """
-    paths = list(paths)
+    paths = [Path(path) for path in paths]
+    organizers = {find_organizer(path) for path in paths}
+    paths = [path for path in paths if path not in organizers]
     where = "segment"
     if not paths:
         raise refusal(where, "files", "those of its frames", "none")

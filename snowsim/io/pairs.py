@@ -321,9 +321,8 @@ def check_empty(folder):
     """Raise ValueError if a folder to write scenes to is not empty."""
     held = sorted(path.name for path in Path(folder).glob("*"))
     if held:
-        raise refusal(
-            folder, "folder", "an empty or a new one", f"{len(held)} files: {held[0]} ..."
-        )
+        wanted = "an empty or a new one, or --force (force=True) to write into it"
+        raise refusal(folder, "folder", wanted, f"{len(held)} files: {held[0]} ...")
 
 
 def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):

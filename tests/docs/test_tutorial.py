@@ -87,7 +87,10 @@ def test_code_on_the_other_pages_runs(tmp_path):
     climate = snowsim.Climate(accumulation_m=0.3)
     _, layers = snowsim.simulate(climate, "snow-2012", n_range_lines=1000, rng=1)
     layers["layer"] = ["surface", *(f"snow_{n}" for n in range(1, layers.sizes["layer"]))]
-    layers.assign(confidence=layers["twtt"]).to_netcdf(tmp_path / "NAME_layers.nc")
+    of_tracker = {f"twtt_{end}": layers["twtt"] for end in ("low", "high")}
+    tracked = layers[["twtt", "quality", "type", "Latitude", "Longitude", "Elevation"]]
+    tracked = tracked.assign(confidence=layers["twtt"], **of_tracker)
+    tracked.to_netcdf(tmp_path / "NAME_layers.nc")
     pages = [ROOT / "docs/start/add-your-own.md", *sorted((ROOT / "docs/stages").glob("*.md"))]
     save_named(pages[0], tmp_path)
     # One process for all, in which no block sees what another named.
@@ -99,3 +102,8 @@ def test_code_on_the_other_pages_runs(tmp_path):
     ]
     assert program
     run_in(tmp_path, sys.executable, "-c", "\n".join(program))
+    added = snowsim.io.read_layers(tmp_path / "added_layers.nc")
+    assert added["layer"].values.tolist()[5:8] == ["snow_5", "by_hand", "snow_6"]
+    assert added["Latitude"].dims == ("slow_time",)
+    assert (added["twtt_low"] <= added["twtt"]).all()
+    assert snowsim.accumulation(added).sizes["year"] == added.sizes["layer"] - 2

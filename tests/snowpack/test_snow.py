@@ -13,7 +13,8 @@ from refusals import refusal
 
 from snowsim.cli import main
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.io import Profile, write_dataset
+from snowsim.io import Profile, open_segment, write_dataset
+from snowsim.io.layers import write_layer_files
 from snowsim.snowpack import Climate, accumulation, by_year, pieces, simulate, table
 from snowsim.snowpack.dating import Series, posterior
 from snowsim.snowpack.firn import depth_herron_langway80, temperature_fausto09, travel_time_s
@@ -452,6 +453,26 @@ def test_density_of_the_command_may_be_a_profile_and_years_may_be_named(tmp_path
     with pytest.raises(SystemExit):
         main(["accumulation", *files, "-o", str(path), *named, "--year", "snow_3=2007", "--force"])
     assert "NAME=YEAR of layers that differ, got" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("year", ["99", "snow_2=998", "20111", "0"])
+def test_a_year_of_other_than_four_digits_is_refused(tmp_path, files, year, capsys):
+    with pytest.raises(SystemExit):
+        main(["accumulation", *files, "-o", str(tmp_path / "a.csv"), "--year", year])
+    told = f"error: --year: expected four digits, such as 2012, got {year.rpartition('=')[2]}\n"
+    assert capsys.readouterr().err == told
+
+
+def test_the_organizer_beside_layer_files_is_left_out(tmp_path, year_m, capsys):
+    layers = layers_of(below_s(water_of(year_m)))
+    frames = {n: layers.isel(slow_time=slice(150 * n, 150 * n + 150)) for n in range(2)}
+    paths = write_layer_files(tmp_path, "20170404_01", frames)
+    assert paths[-1].name == "layer_20170404_01.mat"
+    main(["accumulation", *map(str, sorted(paths)), "-o", str(tmp_path / "a.csv")])
+    assert len(open_segment(iter(paths))["slow_time"]) == 300
+    # Alone it is no layers, and that is said.
+    with refusal("expected CReSIS layers .* found a CReSIS layer organizer"):
+        open_segment(paths[-1:])
 
 
 def test_a_table_has_no_row_without_accumulation(year_m):
