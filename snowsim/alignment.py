@@ -35,6 +35,8 @@ MOST_DAYS = 1
 FAR_APART_M = 1000.0
 FASTEST_M_S = 350.0
 LEAST_SPACING_M = 0.01  # below this mean spacing all range lines lie on one spot
+# An interface, or a pick of its echo; and the peak of the echo of a simulated interface.
+TIMES_OF_LAYERS = ("twtt", "peak_twtt")
 LEVELLING = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement for which a range line is left out by default; the archive's
 # analysts set them for whole frames. Lines with the three other flags are kept.
@@ -77,13 +79,24 @@ def levelled(power, first, n_rows):
     return rows
 
 
+def echo_twtt(layers):
+    """Travel times of the echoes of layers, DataArray of the axes of `twtt` [s].
+
+    They are `peak_twtt` where the layers have it, as simulated ones do, whose `twtt` is that of the
+    interface above the peak; else `twtt`. A layer without `twtt` is absent in any case.
+    """
+    if "peak_twtt" not in layers:
+        return layers["twtt"]
+    return layers["peak_twtt"].where(layers["twtt"].notnull())
+
+
 def layer_bins_of(layers, echogram):
-    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
+    """Echoes of layers in range bins of an echogram, (layer, range_line), NaN where absent.
 
     ValueError unless both have the same range lines: equally many, and each pair less than half a
     line spacing apart in time.
     """
-    twtt = layers["twtt"].transpose("layer", "slow_time").values
+    twtt = echo_twtt(layers).transpose("layer", "slow_time").values
     theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
     if theirs.size != ours.size:
         msg = f"layers cover {theirs.size} range lines, the echogram {ours.size}"
@@ -266,11 +279,12 @@ def join(
 def align_layers(layers, echogram, where="layers"):
     """Layers on the range lines of an echogram, with travel times from its antenna.
 
-    `twtt` is interpolated between neighbouring picks. It is NaN where one of the two is missing,
-    and on range lines that are more than `FARTHEST_PICK` line spacings of the layers from the
-    nearest line of the layers. `quality` and `type` are those of the nearest line. Layer files have
-    their own antenna elevation. Where both elevations are known, ``t += 2 (z_echogram - z_layers) /
-    c``, as in the CReSIS toolbox. Messages begin with `where`.
+    `twtt`, and `peak_twtt` if the layers have it, are interpolated between neighbouring picks. They
+    are NaN where one of the two is missing, and on range lines that are more than `FARTHEST_PICK`
+    line spacings of the layers from the nearest line of the layers. `quality` and `type` are those
+    of the nearest line. Layer files have their own antenna elevation. Where both elevations are
+    known, ``t += 2 (z_echogram - z_layers) / c``, as in the CReSIS toolbox. Messages begin with
+    `where`.
 
     ValueError if the layers do not cover the echogram's time span to within one of their own line
     spacings, if their positions are far from the echogram's, or if a layer lies outside the
@@ -292,31 +306,41 @@ def align_layers(layers, echogram, where="layers"):
     if {"Latitude", "Longitude"} <= set(layers):
         _check_positions(layers.isel(slow_time=nearest), echogram, where)
     picked = layers.transpose("layer", ...)
-    twtt = np.array([np.interp(ours_s, theirs_s, row) for row in picked["twtt"].values])
     away = np.abs(ours_s - theirs_s[nearest]) / spacing_s
-    # A range line with the time of a layer line takes its pick, even if the pick beside is missing.
-    twtt = np.where(away < SAME_LINE_SPACINGS, picked["twtt"].values[:, nearest], twtt)
-    twtt[:, away > FARTHEST_PICK] = np.nan
+    later_s = 0
     if "Elevation" in layers:
         their_m = np.interp(ours_s, theirs_s, layers["Elevation"].values)
         rise_m = echogram["Elevation"].values - their_m
-        twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
-    half_bin = bin_size_s(echogram) / 2
-    first, last = echogram["twtt"].values[[0, -1]]
-    outside = (twtt < first - half_bin) | (twtt > last + half_bin)  # NaN is not outside
-    if outside.any():
-        msg = (
-            f"{where}: twtt: expected layers within the echogram's window, {first:.6g} to "
-            f"{last:.6g} s, found {twtt[outside][0]:.6g} s"
-        )
-        raise ValueError(msg)
-    variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
+        later_s = np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
+    variables = {}
+    for name in [name for name in TIMES_OF_LAYERS if name in picked]:
+        their_twtt = picked[name].values
+        twtt = np.array([np.interp(ours_s, theirs_s, row) for row in their_twtt])
+        # A range line with the time of a layer line takes its pick, even if the pick beside is
+        # missing.
+        twtt = np.where(away < SAME_LINE_SPACINGS, their_twtt[:, nearest], twtt)
+        twtt[:, away > FARTHEST_PICK] = np.nan
+        variables[name] = (("layer", "slow_time"), twtt + later_s, {"units": "s"})
+    _check_window(variables["twtt"][1], echogram, where)
     for name in ("quality", "type"):
         variables[name] = picked[name][:, nearest].variable
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
     of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
     coordinates = {"slow_time": echogram["slow_time"].values, **of_layers}
     return xr.Dataset(variables, coordinates, layers.attrs)
+
+
+def _check_window(twtt, echogram, where):
+    """Raise ValueError if a layer lies outside the echogram's window; NaN is not outside."""
+    half_bin = bin_size_s(echogram) / 2
+    first, last = echogram["twtt"].values[[0, -1]]
+    outside = (twtt < first - half_bin) | (twtt > last + half_bin)
+    if outside.any():
+        msg = (
+            f"{where}: twtt: expected layers within the echogram's window, {first:.6g} to "
+            f"{last:.6g} s, found {twtt[outside][0]:.6g} s"
+        )
+        raise ValueError(msg)
 
 
 def _check_positions(layers, echogram, where):
@@ -359,7 +383,7 @@ def flatten(echogram, layers, *, method="surface"):
     shift = int(np.floor(np.median(rows))) - rows
     if not shift.any():
         return echogram, layers
-    return shifted(echogram, shift), _add_delay(layers, ("twtt",), shift * bin_s)
+    return shifted(echogram, shift), _add_delay(layers, TIMES_OF_LAYERS, shift * bin_s)
 
 
 def shifted(echogram, shift):
@@ -505,13 +529,15 @@ def cut_blocks(echogram, layers, *, name):
     cropped block. The surface, layer 0, lies in its row 50. It ends 100 rows below its last layer
     and has at least 300 rows. Each scene has its own 8-bit scale and is called
     ``{name}_{block:03d}``; its `notes` hold `first_line`, `first_twtt_s` and `bin_size_s`. Layers
-    without a pick in a block are left out of its scene.
+    without a pick in a block are left out of its scene. Of simulated layers the crop follows the
+    interfaces, and the scene has the peaks of their echoes.
 
     An image cannot have gaps. A block is therefore skipped if it has a line `flagged` by
     `leave_out_flagged`, no pick of the surface, missing pixels, or rows outside the frame. Returns
     the list of scenes, and the reasons in a dict by the name of the skipped block.
     """
-    layer_bins = layer_bins_of(layers, echogram)
+    echo_bins = layer_bins_of(layers, echogram)
+    layer_bins = range_bins(layers["twtt"].transpose("layer", "slow_time").values, echogram)
     power = data_of(echogram)
     flagged = np.zeros(power.shape[1], dtype=bool)
     if "flagged" in echogram:
@@ -534,7 +560,7 @@ def cut_blocks(echogram, layers, *, name):
         scene = Scene(
             scene_name,
             bottom - top,
-            _layers_with_picks(bins) - top,
+            _layers_with_picks(echo_bins[:, lines]) - top,
             image=image,
             noise_floor_db=noise_floor_db,
             maximum_db=maximum_db,

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from numpy.testing import assert_allclose
 from toy_scenes import toy_scenes
 
 from snowsim import Climate, simulate
@@ -20,10 +21,12 @@ from snowsim.front import REFERENCE
 from snowsim.io import (
     PairSet,
     export_pairs,
+    read_layers,
     read_tracker,
     write_image,
     write_scenes,
 )
+from snowsim.snowpack import PRESETS
 
 RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
 TRUTH = np.zeros((50, 20), dtype=bool)
@@ -216,6 +219,23 @@ def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of
     # What was exported is truth: of itself, without an error.
     main(["score", "--picks", "pairs", "pairs", "--format", "csv"])
     assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["Data_20130417_02_005.mat", "mine.nc"])
+def test_labels_exported_of_a_simulation_lie_on_its_echoes(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    main(["simulate", name, "--range-lines", "256", "--accumulation-m", ".5", "--years", "6"])
+    (layers_file,) = Path().glob("CSARP_layer/Data*" if name[0] == "D" else "mine_layers.nc")
+    main(["export", name, "--layers", str(layers_file), "pairs"])
+    (scene,) = PairSet("pairs")
+    layers = read_layers(layers_file) / PRESETS["snow-2-8"].bin_s
+    # The surface of the crop, row 50, is the interface; labels lie in whole bins, so that each is
+    # off by half a bin at most.
+    lag_bins = (layers["peak_twtt"] - layers["twtt"])[0].median()
+    assert lag_bins > 3
+    assert_allclose(np.median(scene.layer_bins[0]), 50 + lag_bins, atol=1.01)
+    peaks = layers["peak_twtt"].values[:, 0]
+    assert_allclose(np.diff(scene.layer_bins[:, 0]), np.diff(peaks), atol=1.01)
 
 
 def test_help_has_examples_of_every_command():

@@ -463,12 +463,13 @@ def test_a_year_of_other_than_four_digits_is_refused(tmp_path, files, year, caps
     assert capsys.readouterr().err == told
 
 
-def test_the_organizer_beside_layer_files_is_left_out(tmp_path, year_m, capsys):
+def test_the_organizer_beside_layer_files_is_left_out(tmp_path, year_m):
     layers = layers_of(below_s(water_of(year_m)))
     frames = {n: layers.isel(slow_time=slice(150 * n, 150 * n + 150)) for n in range(2)}
     paths = write_layer_files(tmp_path, "20170404_01", frames)
     assert paths[-1].name == "layer_20170404_01.mat"
-    main(["accumulation", *map(str, sorted(paths)), "-o", str(tmp_path / "a.csv")])
+    options = ["-o", str(tmp_path / "a.csv"), "--density", "400"]
+    main(["accumulation", *map(str, sorted(paths)), *options])
     assert len(open_segment(iter(paths))["slow_time"]) == 300
     # Alone it is no layers, and that is said.
     with refusal("expected CReSIS layers .* found a CReSIS layer organizer"):
