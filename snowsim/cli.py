@@ -473,6 +473,7 @@ def simulate(
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
       snowsim simulate Data_20120330_04_001.mat --frames 3
     """  # noqa: D205, D301
+    from snowsim.io.files import written_together
     from snowsim.snowpack import Climate, Radar, simulate
 
     flight = {} if date is None else {"date": date}
@@ -487,12 +488,14 @@ def simulate(
         snow = Climate(**climate) if profile is None else measured_snow(profile)
         n_all = n_frames * n_range_lines
         simulated, layers = simulate(snow, radar, n_range_lines=n_all, rng=seed, **flight)
-    for number, (path, path_to_layers) in enumerate(files):
-        lines = slice(number * n_range_lines, (number + 1) * n_range_lines)
-        # Layers come first: they are refused if the segment's layers have other names, and then no
-        # echogram must be left.
-        write_frame(path_to_layers, layers.isel(slow_time=lines), path, number)
-        write_frame(path, simulated.isel(slow_time=lines), path, number)
+    written = []
+    with written_together():
+        for number, (path, path_to_layers) in enumerate(files):
+            lines = slice(number * n_range_lines, (number + 1) * n_range_lines)
+            # Layers come first: they are refused if the segment's layers have other names.
+            written.append(write_frame(path_to_layers, layers.isel(slow_time=lines), path, number))
+            written.append(write_frame(path, simulated.isel(slow_time=lines), path, number))
+    click.echo("\n".join(written))
 
 
 def date_of_name(path, date):
@@ -538,9 +541,10 @@ def frame_files(path, n_frames):
 
 
 def write_frame(path, dataset, echogram, number):
-    """Write the echogram or the layers of a frame, with segment and frame of the echogram's name.
+    """Write the echogram or the layers of a frame, and return a line that says so.
 
-    If the name has none, the segment is the simulation's; `number` counts its frames from 0.
+    Segment and frame are those of the echogram's name. If the name has none, the segment is the
+    simulation's; `number` counts its frames from 0.
     """
     from snowsim.echogram import named_frame
     from snowsim.io.files import write_dataset
@@ -553,7 +557,7 @@ def write_frame(path, dataset, echogram, number):
     write = write_cresis if path.suffix == ".mat" else write_dataset
     write(path, dataset.assign_attrs(granule=f"{segment}_{frame:03d}"))
     sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
-    click.echo(f"{path}: {sizes}")
+    return f"{path}: {sizes}"
 
 
 def changes_of(radar, changes):
@@ -754,7 +758,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
       snowsim accumulation one_layers.nc -o a.gpkg --png --echogram one.nc
     """  # noqa: D205, D301
     from snowsim.io import open_segment, read_echogram
-    from snowsim.io.files import write_dataset, write_table
+    from snowsim.io.files import write_dataset, write_table, written_together
     from snowsim.io.geopackage import write_lines
     from snowsim.io.pictures import write_picture
     from snowsim.snowpack import accumulation, by_year, pieces, table
@@ -766,15 +770,17 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     with echo_warnings():
         layers = open_segment(files)
         found = accumulation(layers, density_of(density), year=year_of(years), **settings)
-    rows = table(found)
-    if path.suffix == ".nc":
-        write_dataset(path, found)
-    elif path.suffix == ".gpkg":
-        rows = pieces(rows)
-        write_lines(path, rows)
-    else:
-        write_table(path, rows)
-    write_table(path_by_year, by_year(found))
+    rows = pieces(table(found)) if path.suffix == ".gpkg" else table(found)
+    with written_together():
+        if path.suffix == ".nc":
+            write_dataset(path, found)
+        elif path.suffix == ".gpkg":
+            write_lines(path, rows)
+        else:
+            write_table(path, rows)
+        write_table(path_by_year, by_year(found))
+        if png:
+            write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
     echo_accumulation(path, len(rows), found, settings["temperature_k"])
     if settings["annual"] is None and "confidence" not in layers:
         click.echo(
@@ -782,7 +788,6 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
             "--count counts years (the picks of snowsim track have a confidence in NAME_layers.nc)"
         )
     if png:
-        write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
         click.echo(f"{picture}: layers and accumulation")
 
 

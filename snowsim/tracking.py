@@ -17,7 +17,7 @@ import xarray as xr
 from snowsim.echogram import SURFACE_NAME, check_choice, from_uint8, named_frame
 from snowsim.io import echogram, read_echogram
 from snowsim.io.echograms import frame_in
-from snowsim.io.files import image_format_of, library_errors, noted, refusal
+from snowsim.io.files import image_format_of, library_errors, noted, refusal, written_together
 from snowsim.io.layers import (
     TRACKED_PREFIX,
     numbers_in_names,
@@ -372,19 +372,22 @@ def _track_segment(tracker, frames, folder, png, bin_s, force, say):
         for frame, layers in zip(run, _renumbered(layers_of_run, found), strict=True):
             notes = [*frame.notes, *([frame.gap] if frame.gap else [])]
             found.append(layers.assign_attrs(notes="; ".join(notes)))
-    if frames[0].segment is not None:
-        by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
-        write_layer_files(folder, frames[0].segment, by_number, force=force)
-    written = []
     digest = _digest(frames, tracker.card)
-    for frame, layers in zip(frames, found, strict=True):
-        written.append(_as_written(frame, layers, bin_s, digest))
-        path = _layers_file(folder, frame.path)
-        write_layers(path, written[-1], force=force)
-        n_picks = int(np.isfinite(written[-1]["twtt"].values[1:]).sum())
-        say(f"{path}: {written[-1].sizes['layer'] - 1} layers below the surface, {n_picks} picks")
+    written = {
+        _layers_file(folder, frame.path): _as_written(frame, layers, bin_s, digest)
+        for frame, layers in zip(frames, found, strict=True)
+    }
+    with written_together():
+        for path, layers in written.items():
+            write_layers(path, layers, force=force)
+        if frames[0].segment is not None:
+            by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
+            write_layer_files(folder, frames[0].segment, by_number, force=force)
+    for path, layers in written.items():
+        n_picks = int(np.isfinite(layers["twtt"].values[1:]).sum())
+        say(f"{path}: {layers.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
     # Last, so that a picture that cannot be drawn stops no file.
-    for frame, layers in zip(frames, written, strict=True) if png else ():
+    for frame, layers in zip(frames, written.values(), strict=True) if png else ():
         _draw_picks(frame.path, layers, folder, bin_s)
 
 

@@ -8,6 +8,7 @@ import platform
 import shutil
 import warnings
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
@@ -131,10 +132,34 @@ def image_format_of(path):
 FULL_DISK_BYTES = 2**20
 
 
+# Temporary files by the path that each is to replace, in a block of `written_together`; else None.
+_set_of_files = ContextVar("set_of_files", default=None)
+
+
+@contextmanager
+def written_together():
+    """Let the files that `written_whole` writes in the block replace others all at once, or none.
+
+    They are renamed when the block ends, and removed if it fails: a full disk or an interrupt
+    leaves the files that were there. A block within another has files of its own.
+    """
+    files = {}
+    token = _set_of_files.set(files)
+    try:
+        yield
+        for path, aside in files.items():
+            aside.replace(path)
+    finally:
+        _set_of_files.reset(token)
+        for aside in files.values():
+            aside.unlink(missing_ok=True)
+
+
 @contextmanager
 def written_whole(path):
     """Path of a temporary file, which is renamed to `path` on success and removed on failure.
 
+    In a block of `written_together` it is renamed when that ends.
     The name is this process's own. What processes that no longer run left beside the same path is
     removed; that of other computers stays, since nobody here knows whether they run. Where HDF5
     says only "HDF error", the room that is left shows whether the disk was full.
@@ -148,9 +173,15 @@ def written_whole(path):
             left.unlink(missing_ok=True)
     # The ending stays: some writers choose the format by it.
     aside = path.with_name(f"{before}{os.getpid()}{after}")
+    files = _set_of_files.get()
+    is_kept = False
     try:
         yield aside
-        aside.replace(path)
+        if files is None:
+            aside.replace(path)
+        else:
+            files[path] = aside
+            is_kept = True
     except (OSError, RuntimeError) as error:
         reason = _no_room(path, error)
         if reason is None:
@@ -158,7 +189,8 @@ def written_whole(path):
         msg = f"{path}: cannot be written, {reason}"
         raise OSError(msg) from error
     finally:
-        aside.unlink(missing_ok=True)
+        if not is_kept:
+            aside.unlink(missing_ok=True)
 
 
 def _is_running(process):

@@ -28,7 +28,14 @@ from snowsim.io.containers import (
     write_matlab,
 )
 from snowsim.io.echograms import l1b_content, parameters
-from snowsim.io.files import library_errors, locked, one_line, refusal, write_dataset
+from snowsim.io.files import (
+    library_errors,
+    locked,
+    one_line,
+    refusal,
+    write_dataset,
+    written_together,
+)
 from snowsim.io.times import gps_seconds, utc_times
 
 TRACKED_PREFIX = "snow_"  # begins the names of layers that `snowsim track` found
@@ -482,8 +489,9 @@ def write_layer_files(folder, segment, frames, *, force=False):
         refuse_other_frames(folder, segment, frames)
         for path in contents if not force else ():
             refuse_existing(path)
-        for path, content in contents.items():
-            write_matlab(path, "layers", content)
+        with written_together():
+            for path, content in contents.items():
+                write_matlab(path, "layers", content)
     return list(contents)
 
 

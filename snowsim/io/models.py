@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from snowsim import __version__
-from snowsim.io.files import library_errors, refusal, write_bytes, written_whole
+from snowsim.io.files import library_errors, refusal, write_bytes, written_together, written_whole
 
 MODEL_FORMAT = "snowsim model 1"
 TRACKER_FORMAT = "snowsim tracker 1"
@@ -108,8 +108,9 @@ def write_tracker(path, content, card):
         "created_from": f"snowsim {__version__}",
     }
     text = json.dumps(head | card, indent=1, allow_nan=False)
-    write_bytes(path, content)
-    write_bytes(path.with_suffix(".json"), f"{text}\n".encode())
+    with written_together():
+        write_bytes(path, content)
+        write_bytes(path.with_suffix(".json"), f"{text}\n".encode())
 
 
 def read_tracker(path):

@@ -22,6 +22,7 @@ from snowsim.io.files import (
     refusal,
     report,
     write_bytes,
+    written_together,
 )
 from snowsim.limits import check_values
 from snowsim.progress import with_progress
@@ -348,29 +349,32 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     names = []
     n_merged = 0
     spacings = {name: [] for name in SPACING}
-    for scene in scenes:
-        if not SCENE_NAME.fullmatch(scene.name) or scene.name in names:
-            expected = f"{PLAIN_NAME}, unlike all others"
-            raise refusal(folder, "scene", expected, repr(scene.name))
-        if scene.image is None or "data_" in folder.name:
-            expected = "an image; the folder's name must not contain data_, which loaders replace"
-            raise refusal(folder, scene.name, expected, "none, or such a name")
-        layer_bins = scene.layer_bins
-        if layers == "complete" and scene.complete_layer_bins is not None:
-            layer_bins = scene.complete_layer_bins
-        numbers, merged = layer_numbers(layer_bins, scene.n_range_bins)
-        contrast = {name: getattr(scene, name) for name in NUMBERS_IN_TEXT}
-        write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
-        write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
-        write_image(folder / f"layer_{scene.name}.png", numbers)
-        names.append(scene.name)
-        n_merged += merged
-        for name, values in spacings.items():
-            values.append(scene.notes.get(name))
-    write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
-    alike = {name: values[0] for name, values in spacings.items() if len(set(values)) == 1}
-    if known := {name: value for name, value in alike.items() if value is not None}:
-        write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
+    with written_together():
+        for scene in scenes:
+            if not SCENE_NAME.fullmatch(scene.name) or scene.name in names:
+                expected = f"{PLAIN_NAME}, unlike all others"
+                raise refusal(folder, "scene", expected, repr(scene.name))
+            if scene.image is None or "data_" in folder.name:
+                expected = (
+                    "an image; the folder's name must not contain data_, which loaders replace"
+                )
+                raise refusal(folder, scene.name, expected, "none, or such a name")
+            layer_bins = scene.layer_bins
+            if layers == "complete" and scene.complete_layer_bins is not None:
+                layer_bins = scene.complete_layer_bins
+            numbers, merged = layer_numbers(layer_bins, scene.n_range_bins)
+            contrast = {name: getattr(scene, name) for name in NUMBERS_IN_TEXT}
+            write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
+            write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
+            write_image(folder / f"layer_{scene.name}.png", numbers)
+            names.append(scene.name)
+            n_merged += merged
+            for name, values in spacings.items():
+                values.append(scene.notes.get(name))
+        write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
+        alike = {name: values[0] for name, values in spacings.items() if len(set(values)) == 1}
+        if known := {name: value for name, value in alike.items() if value is not None}:
+            write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
     return {"n_scenes": len(names), "n_merged_pixels": n_merged}
 
 
