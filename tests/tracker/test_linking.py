@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
+from scipy.special import logit
 
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.tracker import (
@@ -13,6 +14,7 @@ from snowsim.tracker import (
     Linking,
     Piece,
     confidence,
+    confident_pieces,
     half_width_rows,
     join,
     link,
@@ -103,6 +105,25 @@ def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
     ends = confidence(strong, 400, coefficients)
     assert ends[-1] < ends[100]
     assert (half_width_rows(high) < half_width_rows(low)).all()
+
+
+@pytest.mark.parametrize(("sure", "n_kept"), [(0.3, 0), (0.38, 0), (0.42, 1), (0.8, 1)])
+def test_a_piece_that_is_more_probably_no_layer_is_left_out(sure, n_kept):
+    piece = piece_of(0, 300, 50.0)
+    kept = confident_pieces([piece], 300, (logit(sure), 0.0, 0.0))
+    assert len(kept) == n_kept
+    for _, sure_of_picks in kept:
+        assert_allclose(sure_of_picks, sure)
+
+
+def test_a_few_sure_picks_do_not_keep_a_piece():
+    line = np.arange(300)
+    piece = Piece(line, np.full(300, 50.0), np.where(line < 40, 3.0, 0.0))
+    coefficients = (-1.5, 2.0, 0.0)
+    sure = confidence(piece, 300, coefficients)
+    assert sure.max() > 0.9
+    assert sure.mean() < 0.4
+    assert confident_pieces([piece], 300, coefficients) == []
 
 
 def test_layers_of_a_mask_are_picked_at_the_middle_of_their_pixels(layer_bins):
