@@ -15,6 +15,7 @@ from snowsim.tracker import (
     Piece,
     confidence,
     confident_pieces,
+    features,
     half_width_rows,
     join,
     link,
@@ -105,6 +106,18 @@ def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
     ends = confidence(strong, 400, coefficients)
     assert ends[-1] < ends[100]
     assert (half_width_rows(high) < half_width_rows(low)).all()
+
+
+def test_the_inputs_of_confidence_are_means_over_17_and_97_lines_of_clipped_log_odds(rng):
+    n_lines = 200
+    line = np.flatnonzero(rng.random(n_lines) < 0.7)[5:]
+    piece = Piece(line, np.full(line.size, 50.0), rng.normal(1, 3, line.size))
+    excess = np.zeros(n_lines)
+    excess[line] = np.clip(piece.excess, -3, 3)
+    slow = [
+        [excess[max(at - reach, 0) : at + reach + 1].mean() for at in line] for reach in (8, 48)
+    ]
+    assert_allclose(features(piece, n_lines), slow, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("sure", "n_kept"), [(0.3, 0), (0.38, 0), (0.42, 1), (0.8, 1)])
