@@ -59,6 +59,29 @@ def test_layers_never_cross_whatever_the_candidates_are(seed):
     check_layer_bins(layers)
 
 
+@pytest.mark.parametrize(("slope", "is_found"), [(1.2, True), (1.36, False)])
+def test_a_layer_may_be_as_steep_as_its_evidence_outweighs_its_bend(slope, is_found):
+    # Of each line's evidence of 1, half of the squared step is lost: .28 and .08 are left, and a
+    # chain needs 55 on 256 lines.
+    lines = [[(slope * line, 1.5)] for line in range(256)]
+    assert len(link(candidates_of(lines), Linking(), EVEN)) == is_found
+
+
+@pytest.mark.parametrize(("slope", "is_found"), [(0.5, True), (0.68, False)])
+def test_a_step_over_a_gap_costs_as_much_as_the_slope_on_both_lines(slope, is_found):
+    # Of the evidence on every other line, .5 is lost for the line between, and on two lines half of
+    # the squared slope each: .25 and .04 are left for 300 candidates.
+    lines = [[(slope * line, 1.5)] if line % 2 == 0 else [] for line in range(600)]
+    assert len(link(candidates_of(lines), Linking(), EVEN)) == is_found
+
+
+@pytest.mark.parametrize(("n_lines", "is_found"), [(100, True), (256, False), (500, False)])
+def test_a_narrow_frame_asks_for_less_evidence_in_proportion(n_lines, is_found):
+    # A layer over 100 lines with an evidence of 50: 55 are asked for on 256 lines, 21 on 100.
+    lines = [[(50.0, 0.5)] if line < 100 else [] for line in range(n_lines)]
+    assert len(link(candidates_of(lines), Linking(), EVEN)) == is_found
+
+
 def piece_of(first, stop, row, slope=0.0):
     line = np.arange(first, stop)
     return Piece(line, row + slope * line, np.ones(line.size))
@@ -75,6 +98,15 @@ def test_pieces_join_where_the_layers_beside_them_foretell_it_and_not_elsewhere(
     assert [piece.line.size for piece in joined] == [longest, longest - gap, longest]
     off = piece_of(100 + gap, longest, 57, 0.06)
     assert len(join([above, left, off, beneath])) == 4
+
+
+@pytest.mark.parametrize(("gap", "off", "n_layers"), [(20, 1.9, 2), (20, 2.6, 3), (150, 3.3, 2)])
+def test_what_foretells_a_piece_may_err_by_two_rows_and_one_more_in_a_hundred_lines(
+    gap, off, n_layers
+):
+    above = piece_of(0, 400, 30)
+    pieces = [above, piece_of(0, 100, 50), piece_of(100 + gap, 400, 50 + off)]
+    assert len(join(pieces)) == n_layers
 
 
 def test_pieces_with_layers_between_them_are_not_joined():

@@ -379,9 +379,10 @@ def test_layers_hardly_farther_apart_than_chains_may_be_are_not_good(
 ):
     bins = SURFACE_BIN + np.array([0, 40, 40 + apart_rows, 120, 180])
     monkeypatch.setattr("planted_layers.LAYER_BINS", bins)
-    echogram, layers = planted(rng)
-    quality = check_found(tracker, echogram, layers)["quality"].values
-    # Picks of ridges that touch lie up to half a row off, so that not all are nearer than 6 rows.
+    echogram, _ = planted(rng)
+    quality = tracker.pick(echogram)["quality"].values
+    assert len(quality) == 5
+    # Picks of ridges that touch lie up to a row off, so that not all are nearer than 6 rows.
     good = (quality[1:3] == 1).mean(axis=1)
     assert (good > 0.99).all() if is_good else (good < 0.7).all()
     assert (quality[[0, 3, 4]] == 1).mean() > 0.99
