@@ -440,3 +440,18 @@ def test_scores_below_those_of_a_constant_map_are_noted(tmp_path):
 def test_what_is_no_number_is_refused_by_name_before_anything_is_read(name, value):
     with refusal(f"{name} must be .* at least [01], got"):
         score_folders("nowhere", "nowhere", **{name: value})
+
+
+def test_a_map_that_is_only_like_its_image_is_scored(tmp_path, folders):
+    _, true = folders
+    rng = np.random.default_rng(2)
+    image = rng.random(MASK.shape) + 3 * edge_map()
+    made = tmp_path / "like"
+    made.mkdir()
+    for path in true.glob("data_*.png"):
+        write_map(path, image / image.max())
+        like = image + 0.2 * rng.standard_normal(MASK.shape)
+        like = (like - like.min()) / np.ptp(like)
+        np.save(made / f"{path.stem}.npy", like)
+        assert 0.93 < np.corrcoef(like.ravel(), image.ravel())[0, 1] < 0.99
+    assert score_folders(made, true, n_bootstrap=1)["ods"].iloc[0] > 0.5

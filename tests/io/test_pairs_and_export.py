@@ -142,6 +142,9 @@ WRONG = {
         "layer_binary": MASK[:86]
     },
     "mask: expected layers on a dark ground, found 100 %": {"layer_binary": ~MASK},
+    "mask: expected layers on a dark ground, found 60 %": {
+        "layer_binary": (np.arange(300) % 5 < 3)[:, None].repeat(256, 1)
+    },
     "mask: expected .* grey levels of which one is 0, found 256": {"layer_binary": IMAGE},
     "labels: expected at least one layer, found none": {"layer_binary": np.zeros_like(MASK)},
     "mask: expected what layer_x.png has": {

@@ -1,5 +1,7 @@
 """Layer files, old and new: real ones, else written to the field tables (`formats`)."""
 
+from contextlib import nullcontext
+
 import formats
 import numpy as np
 import pytest
@@ -58,6 +60,29 @@ def test_names_that_come_twice_carry_their_group(path, write):
     groups = [np.empty((0, 0)), "a", "b"]
     write_with_organizer(path, [SURFACE, KOENIG_2, KOENIG_3], names, groups=groups, write=write)
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
+
+
+@pytest.mark.parametrize(
+    ("jump_s", "gap_s", "is_left_out"),
+    [
+        (0, 0.9e-8, False),  # a smooth surface: 1.5 m of air
+        (0, 1.1e-8, True),
+        (1e-8, 4.5e-8, False),  # five times the largest jump of the surface
+        (1e-8, 5.5e-8, True),
+        (1e-7, 1.9e-7, False),  # at most 30 m of air
+        (1e-7, 2.1e-7, True),
+    ],
+)
+def test_a_surface_far_above_all_others_was_not_picked(tmp_path, jump_s, gap_s, is_left_out):
+    surface = 2.4e-6 + np.where(np.arange(60) < 30, 0, jump_s)
+    surface[12:16] = 2.4e-6 - gap_s
+    layers = formats.opr_layers([surface, surface + 4e-7], formats.GPS_START + np.arange(60.0))
+    layers.to_netcdf(tmp_path / "layers.nc")
+    told = "4 range lines have their surface at .* taken for lines that nobody picked"
+    with pytest.warns(UserWarning, match=told) if is_left_out else nullcontext():
+        found = read_layers(tmp_path / "layers.nc")
+    absent = np.isnan(found["twtt"].values).sum(axis=1)
+    assert absent.tolist() == [4 * is_left_out, 0]
 
 
 def test_a_damaged_organizer_is_named(path):

@@ -67,6 +67,13 @@ def test_missed_and_false_layers_are_counted(layer_bins):
     assert rows["n_thickness"].sum() == 3 * 120 + 59 + 59
 
 
+@pytest.mark.parametrize(("off_bins", "n_within"), [(-2.0, 9), (2.0, 9), (2.001, 0)])
+def test_an_error_of_the_limit_itself_is_within_it(off_bins, n_within):
+    layer_bins = np.repeat([[20.0], [40.0], [64.0]], 3, axis=1)  # sums are exact
+    rows = layer_rows(layer_bins + off_bins, layer_bins, within_bins=2.0)
+    assert rows["n_within"].sum() == n_within
+
+
 def test_scenes_pool_by_pixel_and_not_by_scene():
     truth = np.array([[50.0], [80.0]]) * np.ones(100)
     short = truth.copy()

@@ -109,6 +109,14 @@ def test_what_foretells_a_piece_may_err_by_two_rows_and_one_more_in_a_hundred_li
     assert len(join(pieces)) == n_layers
 
 
+def test_the_row_at_the_end_of_a_piece_is_that_of_its_last_lines():
+    above = piece_of(0, 300, 30)
+    # Over the last 10 lines it lies .8 rows above its end, over 40 lines 3.
+    sinks = piece_of(0, 100, 50, slope=0.15)
+    goes_on = piece_of(106, 300, 65)
+    assert len(join([above, sinks, goes_on])) == 2
+
+
 def test_pieces_with_layers_between_them_are_not_joined():
     left = piece_of(0, 50, 100)
     beneath = piece_of(0, 70, 110)

@@ -83,7 +83,7 @@ def test_without_positions_lines_are_used_as_they_are_and_that_is_said(tracker, 
         (0, 0, "the file has no surface"),
         (0, 40, "surface is wrong on 300 of 300 range lines"),
         (0, 1e9, "surface lies outside the window on 300 of 300 range lines"),
-        *((1, off, "the file's surface is wrong on") for off in (-13, -8, -5, 5, 8, 13)),
+        *((1, off, "the file's surface is wrong on") for off in (-13, -8, -5, 2, 5, 8, 13)),
     ],
 )
 def test_a_surface_that_is_missing_or_wrong_is_found_and_that_is_said(
@@ -347,6 +347,27 @@ def test_saturated_lines_do_not_change_what_is_found_beside_them(tracker, frame)
     beside = np.r_[0:90, 112:300]
     assert np.nanmax(np.abs(error[1:, beside])) < TOLERANCE_BINS
     assert np.isfinite(error[1:, beside]).mean() > 0.97
+
+
+@pytest.mark.parametrize(("brighter_db", "is_saturated"), [(7, False), (14, True)])
+def test_lines_ten_decibels_above_the_others_do_not_set_the_scale(
+    tracker, frame, brighter_db, is_saturated
+):
+    echogram, _ = frame
+    maximum_db = canonical(echogram, tracker.card).maximum_db
+    brightest = float(echogram["Data"].max())  # below, one line of each block is brighter
+    echogram["Data"][83, [100, 280]] = brightest * 10 ** (brighter_db / 10)
+    grown_db = canonical(echogram, tracker.card).maximum_db - maximum_db
+    assert_allclose(grown_db, 0 if is_saturated else brighter_db, atol=0.5)
+
+
+def test_the_surface_lies_in_row_50_of_the_image_to_half_a_row(tracker, rng):
+    # Hills so gentle that the running mean over 15 lines follows them.
+    echogram, _ = planted(rng)
+    grid = canonical(echogram, tracker.card).grid
+    inside = grid.surface_row[20:-20]
+    assert_allclose(inside.mean(), 50, atol=0.1)
+    assert_allclose(inside, 50, atol=0.75)
 
 
 def test_flagged_lines_and_fades_of_the_whole_line_have_the_worst_quality(tracker, frame):
