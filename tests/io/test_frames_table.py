@@ -149,3 +149,14 @@ def test_layers_of_gps_time_are_named_as_such(flight, rows, rng, n_lines, reach)
             with refusal(f"found times 15 s {order} than its own: is one of both GPS time"):
                 read_frame(rows[1])
     assert read_frame(rows[1])[1].sizes["slow_time"] == n_lines
+
+
+def test_layers_of_gps_time_are_named_where_no_line_has_the_time_of_another(flight, rows, rng):
+    # Lines of .0537 s, those of the layers 5 ms later: at GPS time 22 of 37 s overlap.
+    own_s = formats.GPS_START + 0.0537 * np.arange(700)
+    formats.write_mat5(flight / "b.mat", formats.truth(rng, n_lines=700) | {"GPS_time": own_s})
+    surface = formats.truth(rng, n_lines=700)["Surface"]
+    stored = formats.layer_content([surface], [9], own_s + 15.005)
+    formats.write_mat5(flight / LAYERS, stored)
+    with refusal("found times 15 s later than its own: is one of both GPS time"):
+        read_frame(rows[1])
