@@ -1,8 +1,9 @@
 """Reliability of dates: years of simulated firn and of cores, by their stated confidence.
 
 `python benchmarks/bench_years.py cache FOLDER` simulates and tracks firn; `... score FOLDER CORES
-TABLE` dates it, and the cores in the folder CORES. Seeds below 100, and every other core, chose the
-constants of `snowsim.snowpack.dating`; the others only score it.
+TABLE` dates it, and the cores in the folder CORES; `... tabulate TABLE` writes both tables beside
+this file from which `docs/fill_tables.py` fills the page, and draws its picture. Seeds below 100,
+and every other core, chose the constants of `snowsim.snowpack.dating`; the others only score it.
 """
 
 import pickle
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib import pyplot as plt
 
 from snowsim import Tracker
 from snowsim.constants import SPEED_OF_LIGHT_M_S
@@ -27,6 +29,10 @@ N_LINES = 256
 TUNING_SEEDS = range(8)
 NEAR_S = 4 * 2.886e-10  # of a pick that is the horizon, and within which the tracker separates none
 SCORING_SEEDS = range(100, 110)
+FOLDER = Path(__file__).resolve().parent
+CASE = ["kind", "radar", "mass_m", "crusts", "missing", "expected"]
+SURE = 0.8  # without a flag
+CLASSES = (0.5, 0.6, 0.7, 0.8, 0.9)  # of the confidence stated
 
 
 def firn(accumulation_m, n_crusts, spacing_m, rng):
@@ -207,5 +213,80 @@ def score(folder, data, path):
     pd.concat(tables).reindex(columns=columns).to_csv(path, index=False, float_format="%.3g")
 
 
+def by_case(rows):
+    """Table by case: dates of picked horizons, and accumulation over the truth.
+
+    `stated` is the mean probability of a date, `right` the share of dates that are right. `sure` is
+    the share of dates stated at .8 or more, `right_of_sure` the share of these that are right.
+    `inside` is the share of years whose accumulation lies within `low` and `high`. `accumulation`
+    is the median over seeds of the mean over that of the truth.
+    """
+    table = []
+    for case, own in rows.groupby(CASE, dropna=False):
+        dates = own[own["picked"]]
+        sure = dates["year_confidence"] >= SURE
+        one_a_seed = own.drop_duplicates(["seed", "number"])
+        values = {
+            "n": len(dates),
+            "stated": dates["year_confidence"].mean(),
+            "right": dates["right"].mean(),
+            "sure": sure.mean(),
+            "right_of_sure": dates["right"][sure].mean(),
+            "inside": own["inside"].mean(),
+            "accumulation": one_a_seed["ratio"].median(),
+        }
+        table.append(dict(zip(CASE, case, strict=True)) | values)
+    return pd.DataFrame(table)
+
+
+def by_class(rows):
+    """Table of dates by classes of the confidence stated; every case has equal weight."""
+    n_of_case = rows.groupby(CASE, dropna=False)["right"].transform("size")
+    rows = rows.assign(weight=1 / n_of_case, of=np.digitize(rows["year_confidence"], CLASSES))
+    table = []
+    for _, own in rows.groupby("of"):
+        stated, right = (
+            np.average(own[name], weights=own["weight"]) for name in ("year_confidence", "right")
+        )
+        table.append({"stated": stated, "right": right, "n": len(own)})
+    return pd.DataFrame(table)
+
+
+def tabulate(path):
+    """Write both tables of a table of `score`, and draw what is right against what is stated."""
+    rows = pd.read_csv(path)
+    rows = rows[rows["refused"].isna()].astype({"right": float, "inside": float, "picked": bool})
+    cases = by_case(rows)
+    cases.to_csv(FOLDER / "years_by_case.csv", index=False, float_format="%.3f")
+    # Neither with an expectation, nor true horizons, nor what is too thin to be dated.
+    chosen = rows[rows["expected"].isna() & (rows["kind"] != "true") & ~(rows["mass_m"] < 0.1)]
+    chosen = chosen[chosen["picked"]]
+    classes = by_class(chosen)
+    weights = 1 / chosen.groupby(CASE, dropna=False)["right"].transform("size")
+    squared = (chosen["year_confidence"] - chosen["right"]) ** 2
+    constant = np.average(chosen["right"], weights=weights)
+    brier = np.average(squared, weights=weights)
+    scores = {"brier": brier, "brier_of_a_constant": constant * (1 - constant)}
+    classes = classes.assign(**scores)
+    classes.to_csv(FOLDER / "years_by_class.csv", index=False, float_format="%.3f")
+    shown = cases[cases["expected"].isna() & (cases["kind"] != "true") & ~(cases["mass_m"] < 0.1)]
+    figure, ax = plt.subplots(figsize=(4.5, 4.2), layout="constrained")
+    ax.plot([0, 1], [0, 1], color="0.6", linewidth=1)
+    for kind, colour, name in (("tracker", "C0", "simulated firn"), ("core", "C1", "cores")):
+        own = shown[shown["kind"] == kind]
+        style = {"color": colour, "marker": "o", "linestyle": "", "markersize": 4}
+        ax.plot(own["stated"], own["right"], label=f"{name}, a case", **style)
+    ax.plot(classes["stated"], classes["right"], "ks-", markersize=5, label="all cases, by class")
+    ax.set(
+        xlabel="mean probability stated",
+        ylabel="share of years that are right",
+        xlim=(0, 1),
+        ylim=(0, 1),
+        aspect="equal",
+    )
+    ax.legend(frameon=False, fontsize="small", loc="upper left")
+    figure.savefig(FOLDER.parent / "docs/years.png", dpi=130)
+
+
 if __name__ == "__main__":
-    cache(sys.argv[2]) if sys.argv[1] == "cache" else score(*sys.argv[2:])
+    {"cache": cache, "score": score, "tabulate": tabulate}[sys.argv[1]](*sys.argv[2:])

@@ -51,6 +51,18 @@ N_ROWS = 300
 BIN_M = 0.0336  # of snow of 340 kg m-3 in a range bin of 2.886e-10 s
 LINE_KM = 0.0052
 SHOWN_PERCENT = (0.5, 99.9)  # of the powers of the echogram, from black to white
+# Rows of the table of dates, and where they are among the cases of `bench_years`.
+OF_THE_TRACKER = "kind == 'tracker' and radar == 'snow-2012' and "
+DATED_CASES = {
+    "tracker, snow-2012, .15 m": OF_THE_TRACKER + "mass_m == .15 and crusts == 0",
+    ".3 m": OF_THE_TRACKER + "mass_m == .3 and crusts == 0",
+    ".6 m": OF_THE_TRACKER + "mass_m == .6 and crusts == 0",
+    ".3 m, 3 crusts": OF_THE_TRACKER + "mass_m == .3 and crusts == 3",
+    ".3 m, 5 crusts": OF_THE_TRACKER + "mass_m == .3 and crusts == 5",
+    "cores, every horizon picked": "kind == 'core' and missing == 0",
+    "cores, a fifth missing": "kind == 'core' and missing == .2",
+    "cores, two fifths missing": "kind == 'core' and missing == .4",
+}
 TITLES = (
     "echogram; right half: layers as tracked",
     "synthetic layers, by PHY",
@@ -285,7 +297,33 @@ def commit(results):
     return f"Tables are of commit {commit_of(ROOT)[:7]}.\n"
 
 
+def dates(results):
+    """Share of dates that are right by the probability that they state; see `bench_years`."""
+    table = pd.read_csv(ROOT / "benchmarks/years_by_class.csv")
+    rows = [["right", *map(hundredths, table["right"])], ["dates", *map(str, table["n"])]]
+    return markdown(["stated", *map(hundredths, table["stated"])], rows)
+
+
+def dated_cases(results):
+    """Dates and accumulation of some cases of `bench_years`."""
+    table = pd.read_csv(ROOT / "benchmarks/years_by_case.csv")
+    columns = ("stated", "right", "sure", "right_of_sure", "inside", "accumulation")
+    rows = []
+    for name, query in DATED_CASES.items():
+        (case,) = table[table["expected"].isna()].query(query).to_dict("records")
+        rows.append([name, *(hundredths(case[column]) for column in columns)])
+    header = ["", "stated", "right", "sure", "right of these", "inside", "accumulation over truth"]
+    return markdown(header, rows)
+
+
+def hundredths(share):
+    """Number to two decimals without the zero before the point."""
+    return f"{share:.2f}".removeprefix("0")
+
+
 TABLES = {
+    "dates": dates,
+    "dated_cases": dated_cases,
     "results": default_run,
     "headline": headline,
     "flights": flights,

@@ -86,3 +86,14 @@ def test_a_spectrum_s_level_is_that_of_the_image_s_power(rng):
     assert_allclose(raised_db, 20 * np.log10(2), rtol=1e-9)
     # White noise: as many bands, one level; some 1e2 wavenumbers a band scatter by .4 dB.
     assert np.ptp(radial_spectrum_db(image)) < 3
+
+
+def test_the_page_of_accumulation_has_the_dates_of_the_benchmark():
+    page = (fill_tables.ROOT / "docs/stages/accumulation.md").read_text()
+    for table in (fill_tables.dates(None), fill_tables.dated_cases(None)):
+        assert table in page
+    score = pd.read_csv(fill_tables.ROOT / "benchmarks/years_by_class.csv")
+    brier, constant = (
+        f"{score[name][0]:.3f}".removeprefix("0") for name in ("brier", "brier_of_a_constant")
+    )
+    assert f"The Brier score is {brier}, that of a constant {constant}." in page
