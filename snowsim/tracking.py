@@ -19,6 +19,7 @@ from snowsim.io import echogram, read_echogram
 from snowsim.io.echograms import frame_in
 from snowsim.io.files import image_format_of, library_errors, noted, refusal, written_together
 from snowsim.io.layers import (
+    TOGETHER,
     TRACKED_PREFIX,
     numbers_in_names,
     refuse_existing,
@@ -364,6 +365,7 @@ def _in_order(frames):
 
 def _track_segment(tracker, frames, folder, png, bin_s, force, say):
     """Track the frames of a segment, or one image, and write their layers and pictures."""
+    attributes = {TOGETHER: _digest(frames, tracker.card)} if frames[0].segment else {}
     found = []
     for run in _runs(frames):
         if run[0].gap is not None:
@@ -371,10 +373,9 @@ def _track_segment(tracker, frames, folder, png, bin_s, force, say):
         layers_of_run = tracker.pick_together([frame.evidence for frame in run])
         for frame, layers in zip(run, _renumbered(layers_of_run, found), strict=True):
             notes = [*frame.notes, *([frame.gap] if frame.gap else [])]
-            found.append(layers.assign_attrs(notes="; ".join(notes)))
-    digest = _digest(frames, tracker.card)
+            found.append(layers.assign_attrs(notes="; ".join(notes), **attributes))
     written = {
-        _layers_file(folder, frame.path): _as_written(frame, layers, bin_s, digest)
+        _layers_file(folder, frame.path): _as_written(frame, layers, bin_s)
         for frame, layers in zip(frames, found, strict=True)
     }
     with written_together():
@@ -451,21 +452,20 @@ def _renumbered(layers_of_run, before):
     ]
 
 
-def _as_written(frame, layers, bin_s, digest):
+def _as_written(frame, layers, bin_s):
     """Layers dataset of a frame as it is written: without layers that have no pick in it.
 
-    A frame of a segment gets its name as `granule` and the digest of the frames that were tracked
-    with it, an image the rows of its picks.
+    A frame of a segment gets its name as `granule`, an image the rows of its picks.
     """
     picked = np.isfinite(layers["twtt"].values).any(axis=1)
     picked[0] = True
     layers = layers.isel(layer=picked)
     if frame.segment is not None:
         granule = f"{frame.segment}_{frame.number:03d}"
-        return layers.assign_attrs(granule=granule, tracked_together=digest)
+        return layers.assign_attrs(granule=granule)
     rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
     layers = layers.assign(row=rows)
-    layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
+    layers["slow_time"].attrs["comment"] = "invented: a picture holds no times"
     return layers
 
 

@@ -38,6 +38,8 @@ from snowsim.io.files import (
 )
 from snowsim.io.times import gps_seconds, utc_times
 
+# Attribute of layers: digest of the frames that were tracked in one call, and of the tracker.
+TOGETHER = "tracked_together"
 TRACKED_PREFIX = "snow_"  # begins the names of layers that `snowsim track` found
 # Names of the first two entries of an old file without names, by convention of the format.
 OLD_NAMES = ("surface", "bottom")
@@ -183,10 +185,10 @@ def open_segment(paths):
 
 def _check_together(frames, where):
     """Refuse frames that were not tracked in one call, and say which of them a person corrected."""
-    digests = {frame.attrs.get("tracked_together") for frame in frames} - {None}
+    digests = {frame.attrs.get(TOGETHER) for frame in frames} - {None}
     if len(digests) > 1:
         expected = f"one, for {TRACKED_PREFIX}1 of each is another layer (track them in one call)"
-        raise refusal(where, "tracked_together", expected, f"{len(digests)} calls of track")
+        raise refusal(where, TOGETHER, expected, f"{len(digests)} calls of track")
     for first, second in itertools.pairwise(frames):
         if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
             names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
@@ -206,7 +208,7 @@ def read_cresis_layers(stored):
     Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it, as group:name if two
     layers have the same name. Without an organizer they are "id 1", "id 2", ...
     """
-    values = stored.read(("id", *PICKS, *CRESIS_NAMES, "peak_twtt", "place"))
+    values = stored.read(("id", *PICKS, *CRESIS_NAMES, "peak_twtt", "place", TOGETHER))
     values = {CRESIS_NAMES.get(name, name): value for name, value in values.items()}
     if "id" not in values or "twtt" not in values:
         expected = "at least one layer with picks"
@@ -226,6 +228,8 @@ def read_cresis_layers(stored):
             np.reshape(values["peak_twtt"], shape),
             {"units": "s", "place": "peak"},
         )
+    if TOGETHER in values:
+        dataset.attrs[TOGETHER] = values[TOGETHER]
     if "place" in values:
         dataset["twtt"].attrs["place"] = values["place"]
     elif _is_simulated(stored.path):
@@ -605,6 +609,8 @@ def _frame_content(segment, layers, n_layers):
     if "peak_twtt" in layers:
         content["peak_twtt"] = np.full(shape, np.nan)
         content["peak_twtt"][numbers] = layers["peak_twtt"].transpose("layer", "slow_time").values
+    if TOGETHER in layers.attrs:
+        content[TOGETHER] = layers.attrs[TOGETHER]
     if "place" in layers["twtt"].attrs:
         content["place"] = layers["twtt"].attrs["place"]
     for theirs, ours in CRESIS_NAMES.items():

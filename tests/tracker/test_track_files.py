@@ -223,10 +223,15 @@ def test_frames_that_were_tracked_in_separate_calls_are_refused(weights, tmp_pat
     for number, path in enumerate(paths):
         assert track_files([path], tmp_path / f"apart_{number}", **options) == 0
     both = sorted((tmp_path / "both").glob("*_layers.nc"))
-    assert open_segment(both).attrs["tracked_together"]
-    apart = [tmp_path / f"apart_{number}" / path.name for number, path in enumerate(both)]
-    with refusal("track them in one call.*found 2 calls of track"):
-        open_segment(apart)
+    for pattern in ("*_layers.nc", "CSARP_layer/*/Data_*.mat"):
+        files = sorted((tmp_path / "both").glob(pattern))
+        assert open_segment(files).attrs["tracked_together"]
+        apart = [
+            tmp_path / f"apart_{number}" / path.relative_to(tmp_path / "both")
+            for number, path in enumerate(files)
+        ]
+        with refusal("track them in one call.*found 2 calls of track"):
+            open_segment(apart)
     corrected = tmp_path / "corrected_layers.nc"
     xr.load_dataset(both[0]).drop_vars("confidence").to_netcdf(corrected)
     with pytest.warns(UserWarning, match="1 of 2 frames have no confidence, as a person's"):
