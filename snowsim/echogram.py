@@ -271,10 +271,10 @@ def echogram_dataset(where, content, attributes):
 
 @contextmanager
 def one_line_for(where, expected):
-    """Context that turns errors of numpy and xarray into a ValueError of one line."""
+    """Context that turns errors of numpy, xarray and torch into a ValueError of one line."""
     try:
         yield
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, RuntimeError) as error:  # torch raises the last
         found = " ".join(str(error).split())
         msg = f"{where}: {expected}, found {type(error).__name__} {found}"
         raise ValueError(msg) from error
@@ -359,8 +359,10 @@ def recorded(power):
 
     Pixels are sorted by power. If a gap of more than 50 dB lies below most of them, pixels below
     the gap become NaN. Rows are sorted by their mean in decibels and treated likewise, with a gap
-    of 70 dB. Power of zero or less is not changed.
+    of 70 dB. Power of zero or less is not changed. Whole numbers become single precision.
     """
+    if power.dtype.kind in "iu":
+        power = power.astype(np.float32)
     positive = power > 0
     if not positive.any() or not _may_have_gap(power, positive):
         return power
@@ -542,22 +544,25 @@ def _check_variables(dataset, axes, where):
         msg = f"{where}: expected variables {expected}, found {found or 'none'}"
         raise ValueError(msg)
     slow_time = dataset["slow_time"].values
-    missing = np.isnat(slow_time) if slow_time.dtype.kind == "M" else np.zeros(1, dtype=bool)
+    if not np.issubdtype(slow_time.dtype, np.datetime64) or not slow_time.size:
+        msg = (
+            f"{where}: slow_time: expected UTC times as datetime64, without a time zone, found "
+            f"{slow_time.size} of type {slow_time.dtype}"
+        )
+        raise ValueError(msg)
+    missing = np.isnat(slow_time)
     if missing.any():
         msg = (
             f"{where}: slow_time: expected a time on every range line, found none on "
             f"{missing.sum()} of {missing.size} (the first is {missing.argmax()})"
         )
         raise ValueError(msg)
-    later = np.zeros(1, dtype=bool)
-    if np.issubdtype(slow_time.dtype, np.datetime64) and slow_time.size:
-        later = np.append(True, np.diff(slow_time) > np.timedelta64(0))
+    later = np.append(True, np.diff(slow_time) > np.timedelta64(0))
     if not later.all():
         line = int(later.argmin())
         n_late = later.size - later.sum()
         msg = (
-            f"{where}: slow_time must increase, as datetime64 (is {slow_time.dtype}): range line "
-            f"{line} is not later than line "
+            f"{where}: slow_time must increase: range line {line} is not later than line "
             f"{line - 1} ({n_late} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
         )
         raise ValueError(msg)

@@ -93,6 +93,16 @@ RADIANS = ("radian", "radians", "rad")
 # Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
 # cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
+# Reference dates of times: year, month and day in this order, then UTC or an offset from it. pandas
+# takes 05-08-2000 for the eighth of May, and 00:00 2:00 for a time of day.
+SINCE_DATE = re.compile(
+    r"\s*\d{4}-\d{1,2}-\d{1,2}([T ]+\d{1,2}:\d{1,2}(:\d{1,2}(\.\d*)?)?)?"
+    r"\s*(Z|UTC|GMT|[+-]\d{1,2}(:?\d{2})?)?\s*",
+    re.IGNORECASE,
+)
+# The calendars of dates since 1582 as everyone counts them.
+CALENDARS = ("standard", "gregorian", "proleptic_gregorian")
+TIME_AXES = ("slow_time", "time")
 # Attributes of xopr's datasets, whose `slow_time` is GPS time, and of ours, whose is UTC.
 TELL_GPS = {"granule", "mimetype", "source_url"}
 TELL_UTC = {"source_format", "synthetic", "tracker"}
@@ -167,7 +177,8 @@ def open_container(path, content=None):
         return _labelled(path, BytesIO(content), engine="scipy")
     if content.startswith(HDF5):
         check_heaps(content)
-        file = netCDF4.Dataset(path.name, memory=content)
+        # Not by the file's name, which need not be text that netCDF can encode.
+        file = netCDF4.Dataset("in memory", memory=content)
         # Sizes are checked as declared, before xarray reads coordinates.
         held = file.variables.values()
         sizes = [each.size * getattr(each.dtype, "itemsize", 8) for each in held]
@@ -243,8 +254,8 @@ def _labelled(path, source, **how):
     """`Stored` of a NetCDF file or Zarr store, decoded by its CF attributes.
 
     Travel times become seconds, and positions in radians degrees. `slow_time` of xopr, which
-    includes leap seconds, becomes UTC. Only what is declared as missing becomes NaN. Durations stay
-    numbers: rounded to nanoseconds, range bins would be lost.
+    includes leap seconds, becomes UTC. What is declared as missing, and floats that were never
+    written, become NaN. Durations stay numbers: rounded to nanoseconds, range bins would be lost.
     """
     dataset = xr.open_dataset(source, decode_cf=False, **how)
     if dataset.nbytes > MAXIMUM_BYTES:
@@ -252,10 +263,14 @@ def _labelled(path, source, **how):
     filled = {name: with_one_fill(path, name, each) for name, each in dataset.variables.items()}
     changed = {name: each for name, each in filled.items() if each is not dataset.variables[name]}
     dataset = dataset.assign(changed)
-    for variable in dataset.variables.values():
-        unit, since, day = str(variable.attrs.get("units", "")).partition(" since ")
+    for name, variable in dataset.variables.items():
+        if "units" in variable.attrs:
+            variable.attrs["units"] = _text_of(variable.attrs["units"])
+        unit, since, day = variable.attrs.get("units", "").partition(" since ")
         if since and unit in TIMES:
             variable.attrs["units"] = f"{TIMES[unit]}{since}{day}"
+        if since and name in TIME_AXES:
+            _check_dates(path, name, day, variable.attrs)
     times = xr.coders.CFDatetimeCoder(use_cftime=False)
     try:
         decoded = xr.decode_cf(dataset, decode_times=times, decode_timedelta=False)
@@ -271,7 +286,7 @@ def _labelled(path, source, **how):
         decoded = decoded.assign_coords(slow_time=utc).assign_attrs(source_format="xopr")
     _convert_units(path, decoded)
     # The whole dataset for any names: it can be indexed by name like the dict of a MAT file.
-    return Stored(path, frozenset(decoded.variables), lambda _=None: decoded.load())
+    return Stored(path, frozenset(decoded.variables), lambda _=None: _loaded(decoded))
 
 
 def _convert_units(path, decoded):
@@ -281,12 +296,50 @@ def _convert_units(path, decoded):
         if unit not in SECONDS:
             raise refusal(path, name, ", ".join(SECONDS), unit)
         if SECONDS[unit] != 1:
-            seconds = decoded[name].values * SECONDS[unit]
+            seconds = _written(decoded[name].values) * SECONDS[unit]
             decoded[name] = (decoded[name].dims, seconds, {"units": "s"})
     for name in decoded.variables.keys() & {*ANGLES}:
         angle = decoded[name]
         if str(angle.attrs.get("units", "")).strip().lower() in RADIANS:
-            decoded[name] = (angle.dims, np.degrees(angle.values), {"units": "degrees"})
+            decoded[name] = (angle.dims, np.degrees(_written(angle.values)), {"units": "degrees"})
+
+
+def _text_of(attribute):
+    """Text of an attribute, without the blanks, NUL or list of one text that some writers add."""
+    return " ".join(map(str, np.ravel(attribute))).replace("\0", "").strip()
+
+
+def _check_dates(path, name, day, attributes):
+    """Refuse dates in another calendar, or counted from a day that can be read in two ways."""
+    calendar = attributes.get("calendar", CALENDARS[0])
+    if str(calendar).lower() not in CALENDARS:
+        raise refusal(path, f"{name}: calendar", ", ".join(CALENDARS), repr(calendar))
+    if not SINCE_DATE.fullmatch(day):
+        expected = "units of time since YYYY-MM-DD hh:mm:ss, in UTC or with an offset as +02:00"
+        raise refusal(path, name, expected, repr(attributes["units"]))
+
+
+def _loaded(dataset):
+    """Dataset in memory, with NaN for floats that were never written."""
+    dataset = dataset.load()
+    for name in dataset.variables.keys() - dataset.xindexes.keys():
+        values = dataset[name].values
+        written = _written(values)
+        if written is not values:
+            dataset[name].values = written
+    return dataset
+
+
+def _written(values):
+    """Values with NaN for the number that the netCDF library stores where nothing was written.
+
+    A file need not declare this number, 9.97e36. Other types than single and double precision have
+    others, which may be measured values; they are not changed.
+    """
+    if values.dtype.str[1:] not in ("f4", "f8"):
+        return values
+    unwritten = values == values.dtype.type(netCDF4.default_fillvals["f8"])
+    return np.where(unwritten, values.dtype.type(np.nan), values) if unwritten.any() else values
 
 
 def _read_mat5(file, shapes, names):
@@ -323,6 +376,11 @@ def _plain(node, read):
         raise refusal(None, node.name, MOST, read[0])
     if isinstance(node, h5py.Group):
         return {name: _plain(field, read) for name, field in node.items()}
+    if node.is_virtual:
+        # HDF5 gives zeros, without an error, for what it does not find in the other files.
+        sources = sorted({source.file_name for source in node.virtual_sources()})
+        expected = "its own values (h5repack copies them into the file)"
+        raise refusal(None, node.name, expected, f"those of {', '.join(sources)}")
     is_text = node.attrs.get("MATLAB_class") == b"char"
     if node.attrs.get("MATLAB_empty", 0):
         # An empty variable stores its dimensions instead of values.

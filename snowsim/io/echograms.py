@@ -34,7 +34,9 @@ from snowsim.io.times import gps_seconds, utc_times
 # is at least this share of the strongest.
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
 LEAST_MEDIAN = 0.1
-UNITS_OF_DB = ("db", "decibel", "decibels")
+UNITS_OF_DB = ("db", "dbm", "dbw", "decibel", "decibels")
+# Units that begin so are decibels or another logarithm, in words that are not known.
+LOGARITHMIC = ("db", "decibel", "log", "10*log", "10 log")
 # Parameters of a file that become attributes of the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
 # Only an attribute of this form becomes a folder: it may hold anything.
@@ -126,10 +128,13 @@ def power_of(data_db, where):
 def read_opr(stored):
     """Echogram dataset of an Open Polar Radar file, checked, with axes (twtt, slow_time).
 
-    If `units` of `Data` say decibels, they become linear power.
+    If `units` of `Data` say decibels, they become linear power; other logarithms are refused.
     """
     dataset = stored.read()
-    if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
+    units = str(dataset["Data"].attrs.get("units", "")).lower()
+    if units.startswith(LOGARITHMIC) and units not in UNITS_OF_DB:
+        raise refusal(stored.path, "Data: units", f"{', '.join(UNITS_OF_DB)}, or power", units)
+    if units in UNITS_OF_DB:
         power = power_of(dataset["Data"].values.astype(float), stored.path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
     if "Surface" not in dataset:

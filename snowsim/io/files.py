@@ -159,12 +159,15 @@ def written_together():
 def written_whole(path):
     """Path of a temporary file, which is renamed to `path` on success and removed on failure.
 
-    In a block of `written_together` it is renamed when that ends.
-    The name is this process's own. What processes that no longer run left beside the same path is
-    removed; that of other computers stays, since nobody here knows whether they run. Where HDF5
-    says only "HDF error", the room that is left shows whether the disk was full.
+    If `path` is a symbolic link, the file that it leads to is replaced, and the link stays. In a
+    block of `written_together` the file is renamed when that ends. The temporary name is this
+    process's own. What processes that no longer run left beside the same path is removed; that of
+    other computers stays, since nobody here knows whether they run. Where HDF5 says only "HDF
+    error", the room that is left shows whether the disk was full.
     """
     path = Path(path)
+    if path.is_symlink():
+        path = Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
     before, after = f".{path.stem}.{platform.node()}.", f".part{path.suffix}"
     for left in path.parent.glob(f"{glob.escape(before)}*{glob.escape(after)}"):
@@ -252,8 +255,11 @@ def write_dataset(path, dataset, *, compress=False):
             encoding[name] = {"_FillValue": None}
             if compress and variable.ndim:
                 encoding[name] |= {"zlib": True, "shuffle": True, "complevel": 9}
-    with written_whole(path) as aside:
-        dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
+    try:
+        with written_whole(path) as aside:
+            dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
+    except UnicodeEncodeError as error:
+        raise refusal(path, "name", "one that is valid UTF-8", "other bytes") from error
 
 
 def read_dataset(path):

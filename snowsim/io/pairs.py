@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from PIL import Image
+from PIL import Image, ImageOps
 from PIL.PngImagePlugin import PngInfo
 
 from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask
@@ -44,9 +44,10 @@ MODES = {
 def read_image(path, expected="8-bit grey", content=None):
     """Image (range_bin, range_line) of a PNG or JPEG file, and a dict of its `NUMBERS_IN_TEXT`.
 
-    Pixels are uint8 or uint16, or bool if the file has 1 bit a pixel. `expected` is a key of
-    `MODES`. A damaged file, another mode and more than `MAXIMUM_PIXELS` pixels are refused. If
-    `content`, the bytes of the file, is given, `path` is only named in errors.
+    Pixels are uint8 or uint16, or bool if the file has 1 bit a pixel. An image is turned as its
+    EXIF orientation says, as programs show it. `expected` is a key of `MODES`. A damaged file,
+    another mode and more than `MAXIMUM_PIXELS` pixels are refused. If `content`, the bytes of the
+    file, is given, `path` is only named in errors.
     """
     most = f"a whole grey image of at most {MAXIMUM_PIXELS} pixels"
     with library_errors(path, f"PNG or JPEG image: expected {most}"), warnings.catch_warnings():
@@ -58,7 +59,7 @@ def read_image(path, expected="8-bit grey", content=None):
             columns, rows = file.size
             if columns * rows > MAXIMUM_PIXELS:
                 raise refusal(path, "image", most, f"{rows} rows of {columns}")
-            values = np.array(file)
+            values = np.array(ImageOps.exif_transpose(file))
             texts = getattr(file, "text", {})  # JPEG files have none
             colours = values[..., :3] if values.ndim == 3 else values[..., None]
             if file.mode not in MODES[expected] or (colours != colours[..., :1]).any():

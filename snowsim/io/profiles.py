@@ -43,7 +43,9 @@ def read_profile(path):
     middles = [name for name in DEPTHS if name in names]
     extents = [both for both in EXTENTS if names.issuperset(both)]
     densities = [name for name in DENSITIES if name in names]
-    if len(middles) + len(extents) != 1 or len(densities) != 1:
+    # pandas numbers the second column of a name.
+    twice = [name for name in (*DEPTHS, *sum(EXTENTS, ()), *DENSITIES) if f"{name}.1" in names]
+    if len(middles) + len(extents) != 1 or len(densities) != 1 or twice:
         raise refusal(path, "header", HEADER, listed(table.columns))
     [density] = densities
     depths = list(*extents) or middles

@@ -193,3 +193,15 @@ def test_the_fingerprint_depends_on_content_and_order_and_not_on_names(tmp_path)
     for path, text in ((a, "1"), (b, "2"), (c, "1")):
         path.write_text(text)
     assert fingerprint([a, b]) == fingerprint([c, b]) != fingerprint([b, a])
+
+
+def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(tmp_path):
+    (tmp_path / "scratch").mkdir()
+    link = tmp_path / "a.csv"
+    link.symlink_to("scratch/b.csv")
+    for text in ("first", "second"):  # the file is made, and then replaced
+        with written_whole(link) as aside:
+            aside.write_text(text)
+        assert link.is_symlink()
+        assert (tmp_path / "scratch/b.csv").read_text() == text
+    assert len(list(tmp_path.rglob("*"))) == 3

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from formats import failures, refused
 from numpy.testing import assert_array_equal
-from PIL import Image
+from PIL import ExifTags, Image
 from refusals import refusal
 
 from snowsim.echogram import Scene, layer_mask
@@ -227,3 +227,11 @@ def test_a_jpeg_image_is_read_as_a_png_one_and_named(path, rng, mode):
         expected = np.asarray(opened.convert("L"))
     assert_array_equal(read_image(path, ANY_GREY)[0], expected)
     assert describe(path)[0]["format"] == "a JPEG image"
+
+
+def test_an_image_is_turned_as_its_orientation_says(path, rng):
+    image = rng.integers(0, 256, size=(30, 20), dtype=np.uint8)
+    orientation = Image.Exif()
+    orientation[ExifTags.Base.Orientation] = 6  # shown after a turn by 90 degrees to the right
+    Image.fromarray(image).save(path, format="PNG", exif=orientation)
+    assert_array_equal(read_image(path)[0], np.rot90(image, -1))

@@ -1,8 +1,10 @@
 """Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
+import os
 from functools import partial
 
 import formats
+import h5py
 import netCDF4
 import numpy as np
 import pandas as pd
@@ -264,7 +266,7 @@ def test_arrays_in_memory_need_travel_times_alone_and_names_are_checked(content)
     for message, arguments in {
         "names: expected .*Latitude.*, found latitude, lon": {"latitude": 1, "lon": 2},
         "Elevation: expected real numbers, as many": {"Elevation": np.ones(3)},
-        "slow_time must increase, as datetime64": {"slow_time": np.arange(40.0)},
+        "slow_time: expected UTC times as datetime64": {"slow_time": np.arange(40.0)},
     }.items():
         with refusal(f"echogram: {message}"):
             echogram_of(power, twtt=twtt, **arguments)
@@ -384,3 +386,108 @@ def test_a_file_is_opened_once(tmp_path, content, monkeypatch, name, write, read
     monkeypatch.setattr("builtins.open", counted)
     read(path)
     assert names.count(str(path)) == 1
+
+
+def in_decibels(path, content, units, write=write_dataset):
+    """Echogram of a file whose `Data` are decibels, none negative, and say so by these `units`."""
+    dataset = formats.opr_dataset(content)
+    power_db = to_db(dataset["Data"].values)
+    dataset["Data"] = (dataset["Data"].dims, power_db - power_db.min() + 1, {"units": units})
+    write(path, dataset)
+    return read_echogram(path)
+
+
+def test_decibels_are_known_by_their_units_however_padded_and_other_logarithms_refused(
+    path, content
+):
+    expected = in_decibels(path, content, "dB")
+    assert expected["Data"].max() > 100  # power, not decibels
+    for units in ("dB ", "dBm", " Decibels"):
+        assert in_decibels(path, content, units)["Data"].equals(expected["Data"])
+    for units in ("dB re 1 W", "log10(W)"):
+        with refusal(f"frame: Data: units: expected db, .* or power, found {units[:5].lower()}"):
+            in_decibels(path, content, units)
+
+    def write_zarr(path, dataset):
+        dataset.to_zarr(path, consolidated=False)
+
+    stored = in_decibels(path.with_name("store"), content, ["dB"], write_zarr)
+    assert_allclose(stored["Data"], expected["Data"], rtol=DB_ROUND_TRIP)
+
+
+@pytest.mark.parametrize("form", ["NETCDF4", "NETCDF3_CLASSIC"])
+def test_what_was_never_written_of_a_file_is_missing(path, content, form):
+    whole = formats.opr_dataset(content)
+    names = ("Data", "Elevation", "Surface")
+    with netCDF4.Dataset(path, "w", format=form) as file:
+        for name, size in whole.sizes.items():
+            file.createDimension(name, size)
+        for name, variable in whole.variables.items():
+            is_time = name == "slow_time"
+            written = file.createVariable(name, "f8" if is_time else variable.dtype, variable.dims)
+            values = variable.values.astype(np.int64) / 1e9 if is_time else variable.values
+            if is_time:
+                written.units = "seconds since 1970-01-01"
+            lines = slice(-10 if name in names else None)  # the last ten lines stay unwritten
+            written[..., lines] = values[..., lines]
+    echogram = read_echogram(path)
+    for name in names:
+        assert echogram[name][..., -10:].isnull().all()
+        assert_array_equal(echogram[name][..., :-10], whole[name][..., :-10])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"units": "seconds since 05-08-2000"},
+            "expected units of time since YYYY-MM-DD .*05-08-2000'",
+        ),
+        ({"units": "seconds since 2000-08-05 00:00 2:00"}, "expected units of time .* offset as"),
+        ({"calendar": "noleap"}, "calendar: expected standard, .*, found 'noleap'"),
+    ],
+)
+def test_dates_that_can_be_read_in_two_ways_are_refused(path, content, change, message):
+    dataset = formats.opr_dataset(content)
+    dataset["slow_time"] = ("slow_time", np.arange(formats.N_LINES) / 20)
+    dataset["slow_time"].attrs = {"units": "seconds since 2000-08-05 00:00 +02:00"}
+    write_dataset(path, dataset)
+    assert read_echogram(path)["slow_time"].values[0] == np.datetime64("2000-08-04T22:00")
+    dataset["slow_time"].attrs |= change
+    write_dataset(path, dataset)
+    refused(read_echogram, path, f"slow_time: {message}")
+
+
+def test_times_that_are_no_utc_are_refused_by_their_type(content):
+    times = pd.date_range("2012-03-30", periods=formats.N_LINES, freq="50ms", tz="America/Nuuk")
+    for slow_time in (times, np.arange(formats.N_LINES)):
+        with refusal("slow_time: expected UTC times as datetime64, without a time zone, found 40"):
+            echogram_of(content["Data"], twtt=content["Time"], slow_time=slow_time)
+
+
+def test_files_are_read_whatever_bytes_their_names_have(tmp_path, content):
+    path = tmp_path / os.fsdecode(b"fr\xffme")
+    write_dataset(tmp_path / "frame", formats.opr_dataset(content))
+    (tmp_path / "frame").rename(path)
+    assert read_echogram(path).sizes["slow_time"] == formats.N_LINES
+    with refusal("name: expected one that is valid UTF-8"):
+        write_dataset(path, formats.opr_dataset(content))
+
+
+def test_values_that_lie_in_other_files_are_refused(path, content):
+    # HDF5 reads zeros for a file that it does not find.
+    formats.write_mat73(path, content)
+    with h5py.File(path, "r+") as file:
+        shape = file["Data"].shape
+        del file["Data"]
+        layout = h5py.VirtualLayout(shape, dtype=np.float32)
+        layout[...] = h5py.VirtualSource("elsewhere.mat", "Data", shape)
+        file.create_virtual_dataset("Data", layout)
+    refused(read_echogram, path, "/Data: expected its own values .*, found those of elsewhere.mat")
+
+
+def test_power_in_whole_numbers_is_power(path, content):
+    dataset = formats.opr_dataset(content)
+    dataset["Data"] = (dataset["Data"] * 1e6).round().astype(np.int32)
+    write_dataset(path, dataset)
+    assert_array_equal(read_echogram(path)["Data"], dataset["Data"])

@@ -71,6 +71,7 @@ def test_other_columns_may_be_in_any_encoding(read):
         "depth_m,depth_cm,density_kg_m3",
         "depth_m,top_m,bottom_m,density_kg_m3",
         "depth_m,density_kg_m3,density_g_cm3",
+        "depth_m,density_kg_m3,density_kg_m3",
         "depth_m,rho_kgm3",
     ],
 )
