@@ -851,6 +851,9 @@ def echo_counts(counts):
 
 def main(arguments=None):
     """Run a command. If it fails, print one line on stderr and exit with its code."""
+    for stream in ("stdout", "stderr"):
+        if getattr(sys, stream) is None:  # whoever started the command has closed it
+            setattr(sys, stream, Path(os.devnull).open("w"))  # noqa: SIM115, open to the end
     try:
         commands.main(arguments, prog_name="snowsim", standalone_mode=False)
         sys.stdout.flush()

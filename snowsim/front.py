@@ -244,6 +244,8 @@ def scenes(
     for name, value in {"n": n, "n_range_bins": n_range_bins}.items():
         if value is not None:
             check_count(name, value)
+    check_count("n_range_lines", n_range_lines, 2)
+    n_range_lines = int(n_range_lines)  # numpy's small integers overflow
     if n_looks is not None:
         check_values("n_looks", n_looks, 1)
     where = "statistics"

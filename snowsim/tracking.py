@@ -77,12 +77,17 @@ class Tracker:
     """
 
     def __init__(self, weights, card, where="weights"):
+        self._given = (weights, card, where)
         self.card = checked_card(card, Path(where).with_suffix(".json"))
         self._run = runner(weights, self.card.temperature, where)
 
     def __repr__(self):
         made_for = f"bins of {1e9 * self.card.bin_s:g} ns, lines {self.card.line_spacing_m:g} m"
         return f"Tracker({self.card.name} {self.card.version}, made for {made_for} apart)"
+
+    def __reduce__(self):
+        """How to make it again from a pickle, in another process: onnxruntime's session cannot."""
+        return type(self), self._given
 
     @classmethod
     def from_pretrained(cls, name="universal"):
@@ -305,6 +310,8 @@ def _load_and_detect(tracker, path, named, bin_s, others):
 
     `named` are the segment and the number in its name, or (None, None).
     """
+    if path.is_fifo():
+        raise refusal(path, "file", "one that can be read more than once", "a pipe")
     image_format = image_format_of(path)
     if image_format is not None:
         echogram = _image_as_echogram(path, bin_s)

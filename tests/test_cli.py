@@ -267,3 +267,11 @@ def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, 
     with pytest.raises(SystemExit):
         main(["train", "scenes.nc", "-o", "mine.onnx"])
     assert capsys.readouterr().err == "error: train needs torch: pip install 'snowsim[learn]'\n"
+
+
+@pytest.mark.parametrize(("closed", "file", "code"), [(">&-", "true.npy", 0), ("2>&-", "none", 2)])
+def test_a_command_runs_without_an_output_to_print_to(place, closed, file, code):
+    command = f"import sys; from snowsim.cli import main; main(['info', {file!r}])"
+    shell = ["bash", "-c", f'"$@" {closed}', "bash", sys.executable, "-c", command]
+    ended = subprocess.run(shell, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (code, "")

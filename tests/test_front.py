@@ -317,3 +317,12 @@ def test_pairs_have_the_spacing_of_their_flight_beside_them(tmp_path):
     for scene in PairSet(tmp_path / "mine/all.lst"):
         assert scene.notes == spacing
     assert "range bins of 1.2e-10 s" in describe(tmp_path / "mine")[0]["sizes"]
+
+
+def test_numbers_of_lines_may_be_small_integers_of_numpy():
+    n_lines = np.uint8(200)
+    climate = snowsim.Climate(accumulation_m=0.3)
+    drawn, _ = snowsim.simulate(climate, "snow-2012", n_range_lines=n_lines, rng=1)
+    assert drawn.sizes["slow_time"] == 200
+    image, _ = snowsim.scenes(np.uint8(1), n_range_lines=np.int8(20), rng=1)[0]
+    assert image.shape[1] == 20

@@ -99,6 +99,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE
     start = _midnight(date)
     if n_range_lines is not None:
         _check_lines(n_range_lines, snowpack, radar)
+        n_range_lines = int(n_range_lines)  # numpy's small integers overflow
     if isinstance(snowpack, Climate):
         since_autumn = (start + pd.DateOffset(months=NORTH_MONTHS)).day_of_year / YEAR_DAYS
         snowpack = snowpack.draw(

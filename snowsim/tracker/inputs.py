@@ -37,6 +37,7 @@ MOST_RESAMPLED = 32  # largest ratio of range bins, of an echogram and of the tr
 LEAST_LINES = 32  # range lines that must be left after averaging
 AIR_ABOVE = 10  # range bins above the surface from which on there is only air
 LEAST_AIR = 12  # range bins of air that are needed to estimate looks
+LEAST_SHARE_EMPTY = 0.01  # of range lines without power; radars lose single lines
 SINGLE_LOOK = 1.5  # an estimate below this means one look
 
 
@@ -163,9 +164,9 @@ def canonical(echogram, card, where="echogram"):
     check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _shifts(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
-    notes = (*contradictions(echogram, where), *notes, reason)
-    notes = tuple(note for note in notes if note is not None)
     surface_db = survey.largest_db
+    notes = (*contradictions(echogram, where), *notes, reason, _note_of_gaps(surface_db))
+    notes = tuple(note for note in notes if note is not None)
     return Canonical(
         echogram,
         grid,
@@ -176,6 +177,14 @@ def canonical(echogram, card, where="echogram"):
         outside,
         surface_found=reason is not None,
     )
+
+
+def _note_of_gaps(largest_db):
+    """Note on range lines without power, as an unfinished copy of a file has; None for few."""
+    n_empty = int((~np.isfinite(largest_db)).sum())
+    if n_empty <= LEAST_SHARE_EMPTY * largest_db.size:
+        return None
+    return f"{n_empty} of {largest_db.size} range lines hold no power"
 
 
 def _check(echogram, card, where):

@@ -1,5 +1,7 @@
 """Files tracked: whatever holds an echogram, and what is written of it."""
 
+import os
+
 import formats
 import numpy as np
 import pytest
@@ -317,3 +319,10 @@ def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, datase
         main(arguments)
     assert stopped.value.code == 1
     assert "error: " in capsys.readouterr().err
+
+
+def test_a_pipe_is_refused_because_files_are_read_more_than_once(track, tmp_path, lines):
+    os.mkfifo(tmp_path / "pipe")
+    assert track([tmp_path / "pipe"]) == 1
+    [line] = lines
+    assert line.endswith("pipe: file: expected one that can be read more than once, found a pipe")

@@ -1,5 +1,6 @@
 """Layers planted in an echogram come back, whatever the file has for bins, lines and surface."""
 
+import pickle
 from itertools import product
 
 import numpy as np
@@ -194,6 +195,7 @@ def test_a_surface_below_eight_bins_of_air_stays(tracker, frame):
     assert_allclose(off, 0, atol=1e-9)  # rounding
 
 
+@quiet
 def test_most_range_lines_may_be_missing(tracker, frame):
     echogram, layers = frame
     echogram["Data"][:, np.arange(300) % 5 > 1] = np.nan
@@ -440,6 +442,7 @@ def test_an_echogram_that_cannot_be_tracked_is_refused_in_a_line(tracker, frame,
         tracker.pick(change(frame[0]))
 
 
+@quiet
 def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
     echogram, layers = frame
     echogram["Data"][:, 150] = np.nan
@@ -517,3 +520,16 @@ def test_a_frame_has_the_layers_picked_in_it_by_the_names_of_the_segment(tracker
     one, two = tracker.pick_together([tracker.detect(echogram), tracker.detect(without)])
     assert one["layer"].values.tolist() == NAMES
     assert two["layer"].values.tolist() == NAMES[:2]
+
+
+def test_a_tracker_goes_to_other_processes(tracker, frame):
+    again = pickle.loads(pickle.dumps(tracker))
+    assert again.pick(frame[0]).identical(tracker.pick(frame[0]))
+
+
+def test_range_lines_without_power_are_noted(tracker, frame):
+    echogram = frame[0].copy(deep=True)
+    echogram["Data"][:, :40] = 0
+    n_lines = echogram.sizes["slow_time"]
+    with pytest.warns(UserWarning, match=f"^40 of {n_lines} range lines hold no power$"):
+        tracker.pick(echogram)
