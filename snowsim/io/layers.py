@@ -184,7 +184,7 @@ def open_segment(paths):
 
 
 def _check_together(frames, where):
-    """Refuse frames that were not tracked in one call, and say which of them a person corrected."""
+    """Refuse frames that do not belong together, and say which of them a person corrected."""
     digests = {frame.attrs.get(TOGETHER) for frame in frames} - {None}
     if len(digests) > 1:
         expected = f"one, for {TRACKED_PREFIX}1 of each is another layer (track them in one call)"
@@ -193,6 +193,10 @@ def _check_together(frames, where):
         if second["slow_time"].values[0] <= first["slow_time"].values[-1]:
             names = " and ".join(str(each["frame"].values[0]) for each in (first, second))
             raise refusal(where, names, "frames that follow one another", "frames overlap in time")
+    counts = {frame.sizes["layer"] for frame in frames if "layer" not in frame.coords}
+    if len(counts) > 1:
+        expected = "names, or as many layers in each frame"
+        raise refusal(where, "layer", expected, f"{min(counts)} to {max(counts)} without names")
     by_hand = [str(frame["frame"].values[0]) for frame in frames if "confidence" not in frame]
     if 0 < len(by_hand) < len(frames):
         warnings.warn(
@@ -267,9 +271,15 @@ def read_cresis_layer_data(stored):
 def read_opr_layers(stored):
     """Layers dataset of an Open Polar Radar file, with axes in the order (layer, slow_time).
 
-    A single layer without the dimension `layer` gets it.
+    A single layer without the dimension `layer` gets it. Names of layers lose the blanks that
+    arrays of characters are padded with.
     """
     dataset = stored.read()
+    index = dataset.indexes.get("layer")
+    if index is not None and index.dtype.kind in "OUS":
+        names = [name.decode() if isinstance(name, bytes) else str(name) for name in index]
+        names = np.array([name.strip() for name in names], str)
+        dataset = dataset.assign_coords(layer=("layer", names, dataset["layer"].attrs))
     for name in PICKS:
         if dataset[name].dims == ("slow_time",):
             dataset[name] = dataset[name].expand_dims("layer")

@@ -196,6 +196,21 @@ def test_layers_of_a_segment_may_be_named_by_years_but_tracked_ones_are_of_one_s
         open_segment(segment_files(tmp_path, ["snow_1", "snow_2"]))
 
 
+def test_names_of_layers_that_are_padded_bytes_are_text(tmp_path):
+    path = tmp_path / "layers.nc"
+    layers = formats.opr_layers([SURFACE, KOENIG_2], GPS_TIME)
+    layers.assign_coords(layer=np.array([b"surface ", b"Koenig_2"])).to_netcdf(path)
+    assert read_layers(path)["layer"].values.tolist() == ["surface", "Koenig_2"]
+
+
+def test_frames_of_a_segment_with_other_numbers_of_unnamed_layers_are_refused(tmp_path):
+    paths = [tmp_path / name for name in ("a.nc", "b.nc")]
+    formats.opr_layers([SURFACE, KOENIG_2], GPS_TIME).to_netcdf(paths[0])
+    formats.opr_layers([SURFACE], GPS_TIME + 60).to_netcdf(paths[1])
+    with refusal("segment: layer: expected names, or as many .*, found 1 to 2 without names"):
+        open_segment(paths)
+
+
 CROSSING = KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)
 REFUSED = {
     "crossing": ({"twtt": [SURFACE, KOENIG_2, CROSSING]}, "must increase strictly with depth"),
