@@ -349,11 +349,13 @@ def _log_years(series, grid, upper, lower, years):
 def _ends(series, grid, known):
     """Probability that all picks below a horizon are crusts, (pick, point).
 
-    The next horizon, without a pick, may lie at any depth below the deepest pick.
+    The next horizon, without a pick, may lie at any depth below the deepest pick. As between
+    horizons, no more than `MOST_CRUSTS_IN_A_ROW` picks are crusts, unless layers are named.
     """
     n_picks = series.above_m.size
     ends = np.zeros((n_picks, grid.mass.size))
-    for pick in range(max(0, *known) if known else 0, n_picks):
+    first = max(0, *known) if known else max(0, n_picks - 1 - MOST_CRUSTS_IN_A_ROW)
+    for pick in range(first, n_picks):
         mass = max(series.span_m[pick, -1], 0) / grid.unit_m if pick < n_picks - 1 else 0
         years = 1 + np.arange(1 + int(2 * mass / grid.mass.min()))[:, None]
         missed = (1 - grid.missed) * grid.missed ** (years - 1)
