@@ -18,6 +18,7 @@ MODULES = {
         "calibrate",
         "edge_counts",
         "fit_logistic",
+        "fit_logits",
         "near_a_layer",
         "reliability",
         "ridges_of",
@@ -39,6 +40,7 @@ MODULES = {
         "PyramidNetwork",
         "balanced_cross_entropy",
         "fused_logits",
+        "logits_of",
         "track",
     ),
     "picks": (

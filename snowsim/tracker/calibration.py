@@ -92,6 +92,20 @@ def calibrate(logits, scenes):
     )
 
 
+def fit_logits(logits, scenes):
+    """Offset and temperature of `Calibration`, for edge scores that do not depend on either.
+
+    Logits that are shifted and scaled give the same calibrated probability, so that the smoothing
+    of `suppress` favours no sharp or blurred map. For that the ridges are those of logits of mean 0
+    and standard deviation 1. `logits` and ValueError are those of `calibrate`.
+    """
+    pixels = np.concatenate([each.ravel() for each in logits]).astype(float)
+    mean, deviation = pixels.mean(), pixels.std()
+    standard = [(each - mean) / deviation for each in logits]
+    offset, temperature = fit_logistic(ridges_of(standard, scenes, least_probability=0))
+    return mean + deviation * offset, deviation * temperature
+
+
 def edge_counts(probability, scenes):
     """Counts of matched edges in each scene's map of probability, and their common thresholds."""
     edges = [suppress(each, added_curvature=0) for each in probability]
@@ -103,12 +117,13 @@ def edge_counts(probability, scenes):
     return counts, thresholds
 
 
-def ridges_of(logits, scenes):
-    """`Ridges` in fused logits (range_bin, range_line) of fully annotated scenes."""
+def ridges_of(logits, scenes, least_probability=LEAST_PROBABILITY):
+    """`Ridges` in one output's logits (range_bin, range_line) of fully annotated scenes."""
     found = []
     near = []
     for each, scene in zip(logits, scenes, strict=True):
-        row, line = np.nonzero(suppress(expit(each)) >= LEAST_PROBABILITY)
+        edges = suppress(expit(each))
+        row, line = np.nonzero((edges > 0) & (edges >= least_probability))
         found.append(each[row, line].astype(float))
         near.append(near_a_layer(row, line, scene))
     check_count("picks to calibrate on", sum(hits.size for hits in near))

@@ -145,13 +145,18 @@ def track(network, image, *, precision="float32"):
     return torch.sigmoid(_logits(network, image, precision)).cpu().numpy()
 
 
+def logits_of(network, image, *, precision="float32"):
+    """Logits of a layer before calibration; shape and arguments as of `track`."""
+    return _logits(network, image, precision).cpu().numpy()
+
+
 def fused_logits(network, image):
     """Fused logits of a uint8 image before calibration, float32 (range_bin, range_line)."""
-    return _logits(network, image, "float32")[-1].cpu().numpy()
+    return logits_of(network, image)[-1]
 
 
 def _logits(network, image, precision):
-    """Logits of an image, float32 (output, range_bin, range_line)."""
+    """Logits of an image as tensor, float32 (output, range_bin, range_line)."""
     image = np.asarray(image)
     is_image = image.dtype == np.uint8 and image.ndim == 2 and image.size > 0
     if not (is_image and image.min() < image.max()):

@@ -6,14 +6,19 @@ import numpy as np
 import pandas as pd
 import pytest
 from edge_counts import image_counts
+from numpy.testing import assert_allclose
+from scipy.ndimage import gaussian_filter
 from toy_scenes import toy_scenes, with_ridges
 
-from lib.score_tables import tracker_intervals
-from lib.tracker_scores import best_thresholds, count_edges, pick_scenes
+from lib import tracker_scores
+from lib.score_tables import counts_by_image, tracker_intervals
+from lib.tracker_scores import Tracker, best_thresholds, count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS
+from snowsim.metrics.edges import score
 from snowsim.metrics.picks import SUMS
 from snowsim.seeding import random_stream
+from snowsim.tracker import Settings
 
 SETS = ["rd", "rd_gd"]
 RUNS = [(name, replica) for name in SETS for replica in (0, 1)]
@@ -70,9 +75,8 @@ def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
     # them errs most where one lies .3 rows off, by .09.
     assert (rows["absolute_error"] < 0.2 * rows["n_found"]).all()
     at = best_thresholds(counts, ["side_1", "fuse"])
-    both, _ = count_edges(
-        SimpleNamespace(track=track), scenes, ["side_1", "fuse"], at=at, as_published=True
-    )
+    known = SimpleNamespace(track=track, track_uncalibrated=track)
+    both, _ = count_edges(known, scenes, ["side_1", "fuse"], at=at, as_published=True)
     assert both.groupby("grid").size().to_dict() == {
         "published": 4 * 99,
         "quantiles": 4 * 99,
@@ -80,3 +84,24 @@ def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
     }
     first = [np.diff(scene.layer_bins[:2], axis=0).mean() for scene in scenes]
     assert rows["first_thickness_bins"].unique().tolist() == pytest.approx(first)
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1 / 4, 0), (4, 0), (1, -4), (1, 4), (4, 4)])
+def test_scores_do_not_depend_on_how_sharp_or_high_probabilities_are(scale, shift, monkeypatch):
+    scenes = toy_scenes(2)
+
+    def scores(scale, shift):
+        def logits(network, image, *, precision):
+            blurred = [gaussian_filter(image / 255, width) for width in (0.5, 1, 1, 2, 3, 1.5)]
+            return np.float32(scale * (12 * np.array(blurred) - 5) + shift)
+
+        monkeypatch.setattr(tracker_scores, "logits_of", logits)
+        tracker = Tracker(None, Settings()).calibrated(scenes)
+        counts, _ = count_edges(tracker, scenes, ["side_2", "fuse"])
+        images = [counts_by_image(counts, output) for output in ("side_2", "fuse")]
+        found = [score(each, each[0]["threshold"]) for each in images]
+        return [each[name] for each in found for name in ("ods", "ois", "ap")]
+
+    # Offset and temperature are found to some 1e-5; maps that differ by as much have other
+    # thresholds, and a pixel may be kept or not.
+    assert_allclose(scores(scale, shift), scores(1, 0), atol=1e-3)

@@ -1,6 +1,7 @@
 """Edge counts of trackers on test scenes, every output, every threshold, and on validation scenes.
 
-Picks from their fused outputs.
+Picks from their fused outputs. Where there are validation scenes, every output of a tracker is
+calibrated on these first.
 """
 
 from job import job, progress
@@ -15,6 +16,7 @@ with job(snakemake), SceneSet(snakemake.input.scenes) as scenes:
         at = None
         if snakemake.input.validation:
             with SceneSet(snakemake.input.validation) as held:
+                tracker = tracker.calibrated(progress(held, "calibration"))
                 counts, _ = count_edges(tracker, progress(held, "validation scenes"))
             write_table(snakemake.output.validation[i], counts)
             at = best_thresholds(counts)

@@ -28,7 +28,7 @@ with job(snakemake), SceneSet(snakemake.input.scenes) as scenes:
     rows = []
     runs = zip(snakemake.params.runs, snakemake.input.networks, strict=True)
     for (name, n_gradients, replica), network in progress(list(runs), "trackers"):
-        counts, _ = count_edges(read_tracker(network), scenes, ["fuse"])
+        counts, _ = count_edges(read_tracker(network).calibrated(scenes), scenes, ["fuse"])
         row = {
             "training_set": name,
             "n_gradients": n_gradients,
