@@ -148,7 +148,7 @@ class Scene:
 
 
 def is_surface(name):
-    """Whether a layer is named surface, in any case, with or without its group."""
+    """True if a layer is named surface, in any case, with or without its group."""
     return str(name).rpartition(":")[2].strip().lower() == SURFACE_NAME
 
 
@@ -162,7 +162,7 @@ def repeats(slow_time):
 
 
 def without_repeats(dataset, where):
-    """The dataset without range lines of a repeated time, of which a warning tells."""
+    """Dataset without range lines that repeat a time; a warning counts them."""
     slow_time = dataset["slow_time"]
     if slow_time.dims != ("slow_time",) or slow_time.dtype.kind != "M" or slow_time.size == 0:
         return dataset  # checks refuse it

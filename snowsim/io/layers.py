@@ -125,8 +125,8 @@ def open_segment(paths):
     Parameters
     ----------
     paths : iterable of path_like
-        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`. Organizer
-        files beside CReSIS layer files are left out, so that ``SEGMENT/*.mat`` may be given.
+        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`. With
+        ``SEGMENT/*.mat``, the organizer file among the layer files is ignored.
 
     Returns
     -------
