@@ -54,16 +54,20 @@ def draw_reference(reference, seed):
     return drawn
 
 
-def flight_config(config, flight):
-    """Configuration of a whole run for one flight, with a seed, climate and radar of its own.
+def flight_config(config, study, flight):
+    """Configuration of a whole run for one flight of a study, with its seed, climate and radar.
 
-    All other settings are those of `config` and so the same for every flight.
+    The study says how many trainings of a set there are and, if it says so, how many validation
+    scenes. All other settings are those of `config` and so the same for every flight.
     """
+    studied = config["studies"][study]
     own = copy.deepcopy(config)
     own["seed"] = int(flight)
     own["benchmark"]["test_seed"] = own["seed"]
     own["reference"] = draw_reference(config["reference"], own["seed"])
-    own["tracker"]["n_seeds"] = config["studies"]["flights"]["n_trainings"]
+    own["tracker"]["n_seeds"] = studied["n_trainings"]
+    if "n_validation" in studied:
+        own["benchmark"]["n_scenes"]["validation"] = studied["n_validation"]
     own["own"] = {}
     # Each run keeps its unfinished trainings in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"

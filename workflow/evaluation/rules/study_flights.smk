@@ -15,6 +15,7 @@ SCORED_SETS = [*TRAINING_SETS, *ALONE, *CONTROLS]
 
 wildcard_constraints:
     flight=r"\d+",
+    study="flights|choices",
     control="|".join(CONTROLS),
 
 
@@ -68,7 +69,7 @@ rule score_flight:
             replica=SEEDS,
         ),
     output:
-        scores="results/one_flight/scores.csv",
+        scores="results/one_flight/flights.csv",
     log:
         "logs/score_flight.log",
     benchmark:
@@ -87,21 +88,21 @@ rule score_flight:
 rule fly:
     # Not a script, because it needs Snakemake, which the environment of scripts does not have.
     output:
-        scores="results/studies/flights/{flight}/results/one_flight/scores.csv",
+        scores="results/studies/{study}/{flight}/results/one_flight/{study}.csv",
     log:
-        "logs/fly/{flight}.log",
+        "logs/fly/{study}/{flight}.log",
     benchmark:
-        "results/benchmarks/fly/{flight}.tsv"
+        "results/benchmarks/fly/{study}/{flight}.tsv"
     threads: 4
     resources:
         mem_mb=12000,
         runtime=1440,
         results_mb=1500,
     params:
-        folder="results/studies/flights/{flight}",
-        settings=lambda wildcards: flights.flight_config(config, wildcards.flight),
+        folder="results/studies/{study}/{flight}",
+        settings=lambda w: flights.flight_config(config, w.study, w.flight),
     message:
-        "a whole run for flight {wildcards.flight}"
+        "a whole run for flight {wildcards.flight}, study of {wildcards.study}"
     run:
         settings_file = Path(params.folder, "config.yaml")
         settings_file.write_text(yaml.safe_dump(params.settings, sort_keys=False))
@@ -109,13 +110,13 @@ rule fly:
             "{sys.executable} -m snakemake --snakefile {ROOT}/Snakefile --directory {params.folder}"
             " --profile none --workflow-profile {ROOT}/profiles/default"
             " --configfile {settings_file} --cores {threads} --nolock"
-            " -- results/one_flight/scores.csv > {log} 2>&1"
+            " -- results/one_flight/{wildcards.study}.csv > {log} 2>&1"
         )
 
 
 rule tabulate_flights:
     input:
-        scores=expand(rules.fly.output.scores, flight=FLIGHTS),
+        scores=expand(rules.fly.output.scores, study="flights", flight=FLIGHTS),
     output:
         **drawn("study_flights", "flights_worth.svg"),
         worth="results/studies/flights/worth.csv",

@@ -1,0 +1,72 @@
+"""What each part of the scene model is worth: statistics that lack it, and the loss without it."""
+
+import numpy as np
+import pandas as pd
+
+from evaluation.lib.flight_scores import mean_over_flights
+
+WHOLE = "whole"
+# A part goes if the mean of its loss and the upper end of the interval lie below these ODS.
+MOST_MEAN = 0.005
+MOST_HIGH = 0.010
+# Statistics that hold a part, all of which are 0 without it. With and without a part, scenes are drawn
+# by the same random numbers.
+SPREADS = {
+    "fading": ("fading_spread_db",),
+    "line_gain": ("line_gain_spread_db",),
+    "surface_row": ("surface_error_bins", "surface_movement_bins"),
+    "relief": ("relief_variance_bins2", "slab_change_bins2"),
+    "noise": ("noise_spread_db",),
+    "power": ("common_spread_db", "layer_spread_db"),
+    "decay": ("decay_spread",),
+    "background": ("background_spread_db",),
+    "echoes_below": ("further_rise_db",),
+}
+PARTS = {
+    "fading": "power of a layer varies along track",
+    "line_gain": "gain varies from range line to range line",
+    "surface_row": "the surface moves about its row",
+    "relief": "thickness varies along track",
+    "noise": "noise varies from scene to scene",
+    "power": "power of buried layers varies from scene to scene and from layer to layer",
+    "decay": "decay varies from scene to scene",
+    "background": "power of unpicked snow varies from scene to scene",
+    "echoes_below": "echoes below the last layer",
+    "speckle_correlation": "speckle is correlated down range",
+}
+
+
+def without(statistics, part):
+    """Flight statistics that lack one of `PARTS`; those of `WHOLE` lack none."""
+    if part == WHOLE:
+        return statistics
+    if part == "speckle_correlation":
+        return statistics.drop_vars("speckle_correlation")
+    changed = {name: statistics[name] * 0 for name in SPREADS[part]}
+    if part == "noise":
+        # The power of the surface itself varies as before.
+        variance_db2 = statistics["surface_to_noise_spread_db"] ** 2
+        variance_db2 = variance_db2 - statistics["noise_spread_db"] ** 2
+        changed["surface_to_noise_spread_db"] = np.sqrt(variance_db2.clip(0))
+    return statistics.assign(changed)
+
+
+def choice_table(scores):
+    """Loss of ODS without each part of the scene model, a row a part, the most costly first.
+
+    `scores` has columns `flight, training_set, replica, ods`, the training set being the part. Losses are those of the whole model less
+    those without the part, paired by flight and training. Columns are `part, what, mean, low,
+    high`, with a 95 % interval by Student's t over all pairs; `goes`, whether the part is worth so
+    little that it goes; and the mean of each flight, `flight_1101` and so on.
+    """
+    ods = scores.set_index(["training_set", "flight", "replica"])["ods"]
+    rows = []
+    for part in scores["training_set"].unique():
+        if part == WHOLE:
+            continue
+        loss = ods[WHOLE] - ods[part]
+        row = {"part": part, "what": PARTS.get(part, "all that go, together")}
+        row |= mean_over_flights(loss)
+        row["goes"] = row["mean"] < MOST_MEAN and row["high"] < MOST_HIGH
+        rows.append(row | loss.groupby("flight").mean().add_prefix("flight_").to_dict())
+    return pd.DataFrame(rows).sort_values("mean", ascending=False, kind="stable")

@@ -1,0 +1,146 @@
+# The study of choices: what each part of the scene model is worth to a tracker that is trained on PHY's scenes alone. On
+# flights that serve for choosing, the part is left out of the statistics, scenes are drawn and rendered anew, and
+# trackers that are trained on these are scored on validation scenes.
+
+from evaluation.lib import choices
+
+CHOSEN = config["studies"]["choices"]
+CHOSEN_ON = flights.flights_of(CHOSEN["first_seed"], CHOSEN["n_flights"])
+PARTS = [choices.WHOLE, *choices.PARTS]
+
+
+wildcard_constraints:
+    part="|".join(PARTS),
+
+
+# One flight: scenes without the part, trackers, scores.
+
+
+rule leave_out:
+    input:
+        statistics="results/statistics.nc",
+    output:
+        statistics="results/choices/{part}/statistics.nc",
+    log:
+        "logs/leave_out/{part}.log",
+    benchmark:
+        "results/benchmarks/leave_out/{part}.tsv"
+    params:
+        part="{part}",
+    message:
+        "statistics without {wildcards.part}"
+    script:
+        "../scripts/leave_out.py"
+
+
+use rule draw_labels as draw_without with:
+    input:
+        statistics=rules.leave_out.output.statistics,
+    output:
+        labels="results/choices/{part}/labels/{shard}.nc",
+    log:
+        "logs/draw_without/{part}/{shard}.log",
+    benchmark:
+        "results/benchmarks/draw_without/{part}/{shard}.tsv"
+    message:
+        "label sets without {wildcards.part}, shard {wildcards.shard}"
+
+
+use rule render_phy as render_without with:
+    input:
+        layers=rules.draw_without.output.labels,
+        statistics=rules.leave_out.output.statistics,
+    output:
+        scenes="results/choices/{part}/phy/{shard}.nc",
+    log:
+        "logs/render_without/{part}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_without/{part}/{shard}.tsv"
+    resources:
+        results_mb=lambda w: scenes_mb("labels", w.shard, 220),
+    message:
+        "PHY renders without {wildcards.part}, shard {wildcards.shard}"
+
+
+use rule train_tracker as train_without with:
+    input:
+        real=[],
+        phy=expand("results/choices/{{part}}/phy/{shard}.nc", shard=shards("labels")),
+        cgan=[],
+        own=[],
+    output:
+        network="results/choices/{part}/{replica}.safetensors",
+        losses="results/choices/{part}/{replica}_losses.csv",
+    log:
+        "logs/train_without/{part}/{replica}.log",
+    benchmark:
+        "results/benchmarks/train_without/{part}/{replica}.tsv"
+    params:
+        n_epochs=None,
+        settings=TRACKER["training"] | {"n_steps": CHOSEN["n_gradients"]},
+        checkpoint=f"{CHECKPOINTS}/train_without_{{part}}_{{replica}}.safetensors",
+        events=f"{EVENTS}/train_without/{{part}}/{{replica}}",
+    message:
+        "tracker on scenes without {wildcards.part}, replica {wildcards.replica}"
+
+
+rule score_without:
+    input:
+        networks=expand("results/choices/{{part}}/{replica}.safetensors", replica=SEEDS),
+        scenes=benchmark_files("validation"),
+    output:
+        scores="results/choices/{part}/scores.csv",
+    log:
+        "logs/score_without/{part}.log",
+    benchmark:
+        "results/benchmarks/score_without/{part}.tsv"
+    resources:
+        mem_mb=2000,
+    params:
+        trainings=lambda w: [(w.part, replica) for replica in SEEDS],
+    message:
+        "edge scores without {wildcards.part}"
+    script:
+        "../scripts/score_validation.py"
+
+
+rule score_choices:
+    input:
+        scores=expand("results/choices/{part}/scores.csv", part=PARTS),
+    output:
+        scores="results/one_flight/choices.csv",
+    log:
+        "logs/score_choices.log",
+    benchmark:
+        "results/benchmarks/score_choices/all.tsv"
+    message:
+        "edge scores without each part"
+    script:
+        "../scripts/join_tables.py"
+
+
+# All flights.
+
+
+rule tabulate_choices:
+    input:
+        scores=expand(rules.fly.output.scores, study="choices", flight=CHOSEN_ON),
+    output:
+        losses="results/studies/choices/losses.csv",
+    log:
+        "logs/tabulate_choices.log",
+    benchmark:
+        "results/benchmarks/tabulate_choices/all.tsv"
+    params:
+        flights=CHOSEN_ON,
+    message:
+        "loss without each part of the scene model"
+    script:
+        "../scripts/tabulate_choices.py"
+
+
+rule study_choices:
+    input:
+        rules.tabulate_choices.output,
+    message:
+        "worth of each part of the scene model: 2 hours on two cores"
