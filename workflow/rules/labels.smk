@@ -41,7 +41,7 @@ rule draw_labels:
     message:
         "label sets, shard {wildcards.shard}"
     script:
-        "../scripts/draw_labels.py"
+        str(ROOT / "workflow/scripts/draw_labels.py")
 
 
 rule labels:

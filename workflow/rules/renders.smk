@@ -25,7 +25,7 @@ rule render_phy:
     message:
         "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        "../scripts/render_phy.py"
+        str(ROOT / "workflow/scripts/render_phy.py")
 
 
 rule complete_picks:
