@@ -76,6 +76,9 @@ def measure_groups(groups):
             continue
         peak = first + np.nanargmax(window)
         fall = line[peak : end + 1]
+        # Rows are means over the lines where a layer is picked: those of two close layers may cross.
+        if fall.size == 0:
+            continue
         lowest = np.nanargmin(fall)
         if np.isfinite(below[group, layer]) and 0 < fall[lowest] < fall[0]:
             decay_rate[group, layer] = -np.log(fall[lowest] / fall[0]) / lowest

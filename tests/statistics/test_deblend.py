@@ -64,3 +64,16 @@ def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
     # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086
     # and 0.090.
     assert_allclose(found["decay_rate"][-1], 0.1, rtol=0.08)
+
+
+@pytest.mark.parametrize("estimator", ["deblended", "paper"])
+def test_close_layers_picked_on_different_lines_do_not_stop_the_fit(planted, rng, estimator):
+    # Both dip by 16 bins in each averaged line. The lower is picked on the first half of its lines
+    # alone: its mean row lies two bins above that of the upper.
+    dip = np.tile(np.linspace(0, 16, 20), 64)
+    layer_bins = np.stack([np.full(1280, 50.0), 80 + dip, 82 + dip, 130 + dip, 170 + dip])
+    power = planted.power(layer_bins, 260)
+    layer_bins[2, dip > 8] = np.nan
+    frame = made_up_frame(rng.gamma(5, power / 5), layer_bins)
+    found = estimate(summarise(*frame), estimator=estimator)
+    assert (found["peak_power"] > 0).all()
