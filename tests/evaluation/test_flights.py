@@ -22,7 +22,9 @@ def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown(
 
 
 def test_flights_differ_in_seed_climate_and_radar_alone():
-    first, second = (flights.flight_config(CONFIG, flight) for flight in ("2000", "2001"))
+    first, second = (
+        flights.flight_config(CONFIG, "flights", flight) for flight in ("2000", "2001")
+    )
     assert (first["seed"], second["seed"]) == (2000, 2001)
     assert first["reference"]["climate"] != second["reference"]["climate"]
     assert first["reference"]["radar"] != second["reference"]["radar"]

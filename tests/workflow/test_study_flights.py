@@ -1,10 +1,13 @@
 """Studies of flights and budgets, scores of the shipped tracker, in the tiny configuration."""
 
+from pathlib import Path
+
 import pandas as pd
 import pytest
 import yaml
 from runs import parsed, run_snakemake
 
+from evaluation.lib.choices import PARTS, WHOLE
 from evaluation.lib.figures.charts import plot_task
 from evaluation.lib.figures.style import new_panel
 from evaluation.lib.flight_scores import PAIRS
@@ -16,7 +19,7 @@ def jobs_of(workflow, name):
 
 
 def test_controls_differ_from_rd_in_labels_or_in_the_flight_s_own_blocks_alone(tmp_path):
-    plan = parsed(tmp_path, targets=["results/one_flight/scores.csv"])
+    plan = parsed(tmp_path, targets=["results/one_flight/flights.csv"])
     controls = {job.wildcards.control: job for job in jobs_of(plan, "train_control")}
     (rd,) = [job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"]
     assert controls["rd_full"].params.data == {**rd.params.data, "labels": "complete"}
@@ -33,7 +36,7 @@ def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_p
     plan = parsed(tmp_path, targets=["study_flights"])
     seeds = {job.wildcards.flight: job.params.settings["seed"] for job in jobs_of(plan, "fly")}
     assert seeds == {"3000": 3000, "3001": 3001}
-    assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/scores.csv"]), "fly")
+    assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/flights.csv"]), "fly")
 
 
 def test_a_training_of_the_study_of_budgets_differs_in_its_number_of_gradients_alone(tmp_path):
@@ -51,6 +54,31 @@ def test_a_training_of_the_study_of_budgets_differs_in_its_number_of_gradients_a
     # Test scenes choose nothing.
     (tabulate,) = jobs_of(plan, "tabulate_budgets")
     assert not [path for path in tabulate.input if "/test/" in path]
+
+
+def test_a_tracker_without_a_part_of_the_scene_model_differs_in_its_scenes_alone(tmp_path):
+    plan = parsed(tmp_path, targets=["results/one_flight/choices.csv", "trackers"])
+    (pd_alone,) = {job.params.seed for job in jobs_of(plan, "train_without")}
+    (default,) = [
+        job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"
+    ]
+    assert pd_alone == default.params.seed
+    trainings = {job.wildcards.part: job for job in jobs_of(plan, "train_without")}
+    assert set(trainings) == {WHOLE, *PARTS}
+    for part, job in trainings.items():
+        assert not job.input.real
+        assert {Path(path).parts[2] for path in job.input.phy} == {part}
+        assert job.params.settings == {**default.params.settings, "n_steps": 4}
+    for job in jobs_of(plan, "score_without"):
+        assert not [path for path in job.input if "/test/" in path]
+
+
+@pytest.mark.study
+def test_the_study_of_choices_leaves_a_loss_for_every_part(tmp_path):
+    run_snakemake(tmp_path, "--", "study_choices", timeout=3600)
+    losses = pd.read_csv(tmp_path / "results/studies/choices/losses.csv")
+    assert set(losses["part"]) == set(PARTS)
+    assert losses[["mean", "low", "high", "flight_1101", "flight_1102"]].notna().all(axis=None)
 
 
 @pytest.mark.study

@@ -9,8 +9,8 @@ WHOLE = "whole"
 # A part goes if the mean of its loss and the upper end of the interval lie below these ODS.
 MOST_MEAN = 0.005
 MOST_HIGH = 0.010
-# Statistics that hold a part, all of which are 0 without it. With and without a part, scenes are drawn
-# by the same random numbers.
+# Statistics that hold a part, all of which are 0 without it. With and without a part, scenes are
+# drawn by the same random numbers.
 SPREADS = {
     "fading": ("fading_spread_db",),
     "line_gain": ("line_gain_spread_db",),
@@ -54,10 +54,11 @@ def without(statistics, part):
 def choice_table(scores):
     """Loss of ODS without each part of the scene model, a row a part, the most costly first.
 
-    `scores` has columns `flight, training_set, replica, ods`, the training set being the part. Losses are those of the whole model less
-    those without the part, paired by flight and training. Columns are `part, what, mean, low,
-    high`, with a 95 % interval by Student's t over all pairs; `goes`, whether the part is worth so
-    little that it goes; and the mean of each flight, `flight_1101` and so on.
+    `scores` has columns `flight, training_set, replica, ods`, where the training set is named by
+    the part that its scenes lack. Losses are those of the whole model less those without the part,
+    paired by flight and training. Columns are `part, what, mean, low, high`, with a 95 % interval
+    by Student's t over all pairs; `goes`, whether the part is worth so little that it goes; and the
+    mean of each flight, `flight_1101` and so on.
     """
     ods = scores.set_index(["training_set", "flight", "replica"])["ods"]
     rows = []

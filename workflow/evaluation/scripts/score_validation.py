@@ -1,6 +1,5 @@
 """Fused edge scores of trackers on validation scenes."""
 
-import pandas as pd
 from main_path import job, progress
 
 from evaluation.lib.flight_scores import training_scores
