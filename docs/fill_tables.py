@@ -22,8 +22,9 @@ from claims import claims
 
 import snowsim
 from evaluation.lib.figures.style import name_of
-from evaluation.lib.flight_scores import PAIRS
+from evaluation.lib.flight_scores import ENDPOINT, SECONDARY
 from evaluation.lib.report import distinguished, errors_of_picks, recovered
+from evaluation.lib.studied import SETS as SETS_STUDIED
 from pretrained.card import commit_of
 from snowsim.alignment import layer_bins_of
 from snowsim.echogram import SURFACE_ROW, to_db
@@ -119,8 +120,8 @@ def signed(row):
     return f"{row['mean']:+.3f} [{row['low']:+.3f}, {row['high']:+.3f}]"
 
 
-def flights(results, pairs=PAIRS[:-3]):
-    """Differences over the flights of the study; the figure has all."""
+def flights(results, pairs=(ENDPOINT, *SECONDARY)):
+    """Differences over the flights of the study, of pairs named before; the figure has all."""
     worth = pd.read_csv(results / "studies/flights/worth.csv")
     keyed = worth[worth["base"].notna()].set_index(["training_set", "base", "metric"])
     means = worth[worth["base"].isna()].set_index(["training_set", "metric"])["mean"]
@@ -129,16 +130,18 @@ def flights(results, pairs=PAIRS[:-3]):
         ods, ap = (keyed.loc[(name, base, metric)] for metric in ("ods", "ap"))
         higher = ods.filter(like="flight_").astype(float) > 0
         both = f"{means[name, 'ods']:.3f}, {means[base, 'ods']:.3f}"
-        label = f"{name_of(name)} less {name_of(base)}"
-        rows.append([label, both, signed(ods), signed(ap), f"{higher.sum()} of {higher.size}"])
-    return markdown(["sets", "means of ODS", "ODS", "AP", "higher in ODS"], rows)
+        label = f"{SETS_STUDIED[name].about} less {SETS_STUDIED[base].about}"
+        p = ods["p"] if np.isnan(ods["p_holm"]) else ods["p_holm"]
+        tested = "" if np.isnan(p) else f"{p:.3f}"
+        cells = [label, both, signed(ods), tested, signed(ap), f"{higher.sum()} of {higher.size}"]
+        rows.append(cells)
+    return markdown(["sets", "means of ODS", "ODS", "p", "AP", "higher in ODS"], rows)
 
 
 def headline(results):
-    """README's table of the study: its endpoint, the control, and full labels."""
-    return flights(
-        results, (("rd_pd", "rd"), ("rd_own", "rd"), ("rd_pd", "rd_own"), ("rd_full", "rd"))
-    )
+    """README's table of the study: its endpoint, what RD and the control have, and full labels."""
+    others = (("rd_pd", "rd"), ("rd_sample", "rd"), ("rd_full", "rd"))
+    return flights(results, (ENDPOINT, *others))
 
 
 def table2(results):
@@ -214,14 +217,19 @@ def as_printed(results):
 
 
 def budgets(results):
-    """ODS on validation scenes by training set and number of gradients."""
-    path = results / "studies/budgets.csv"
-    table = pd.read_csv(path).pivot_table("ods", "training_set", "n_gradients")
-    rows = [
-        [name_of(name), *("" if np.isnan(ods) else f"{ods:.3f}" for ods in row)]
-        for name, row in zip(table.index, table.to_numpy(), strict=True)
-    ]
-    return markdown(["gradients", *map(str, table.columns)], rows)
+    """ODS on validation scenes by training set and number of gradients, and AP at the best."""
+    scores = pd.read_csv(results / "studies/budgets.csv")
+    keys = ["training_set", "n_gradients"]
+    means = scores.groupby(keys)[["ods", "ap"]].mean()
+    numbers = sorted(scores["n_gradients"].unique())
+    rows = []
+    for name in scores["training_set"].unique():
+        of_set = means.loc[name].reindex(numbers)
+        best = of_set["ods"].idxmax()
+        cells = ["" if np.isnan(ods) else f"{ods:.3f}" for ods in of_set["ods"]]
+        cells[numbers.index(best)] = f"**{cells[numbers.index(best)]}**"
+        rows.append([SETS_STUDIED[name].about, *cells, f"{of_set.loc[best, 'ap']:.3f}"])
+    return markdown(["training set", *map(str, numbers), "AP at the best"], rows)
 
 
 def transfer(results):

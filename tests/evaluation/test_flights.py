@@ -2,14 +2,20 @@
 
 import numpy as np
 import pandas as pd
-from edge_counts import image_counts
 from numpy.testing import assert_allclose
 from runs import CONFIG
 from scipy.stats import ttest_1samp
 
 from evaluation.lib import flights
-from evaluation.lib.flight_scores import PAIRS, mean_over_flights, training_scores, worth_table
+from evaluation.lib.flight_scores import (
+    ROLES,
+    found_by_depth,
+    holm,
+    mean_over_flights,
+    worth_table,
+)
 from reference import checked_settings
+from snowsim.metrics.edges import METRICS
 
 
 def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown():
@@ -28,11 +34,18 @@ def test_flights_differ_in_seed_climate_and_radar_alone():
     assert (first["seed"], second["seed"]) == (2000, 2001)
     assert first["reference"]["climate"] != second["reference"]["climate"]
     assert first["reference"]["radar"] != second["reference"]["radar"]
-    assert first["tracker"]["n_seeds"] == CONFIG["studies"]["flights"]["n_trainings"]
     for own in (first, second):
         assert own["benchmark"].pop("test_seed") == own["seed"]
         del own["seed"], own["reference"]
     assert first == second
+
+
+def test_a_study_names_its_scenes_and_may_take_the_default_flight():
+    default = flights.flight_config(CONFIG, "annotation", str(CONFIG["seed"]))
+    for name in ("seed", "reference"):
+        assert default[name] == CONFIG[name]
+    assert default["benchmark"]["n_scenes"]["train"] == 240
+    assert default["benchmark"]["test_seed"] == CONFIG["benchmark"]["test_seed"]
 
 
 def test_draws_of_a_flight_are_those_that_the_published_scores_are_of():
@@ -41,34 +54,61 @@ def test_draws_of_a_flight_are_those_that_the_published_scores_are_of():
     assert drawn["radar"]["line_gain_sd_db"] == 0.321
 
 
-def counts_table(share, rng):
-    """Edge counts of a training as its table holds them: 30 images, of which a share is found."""
-    tables = []
-    for number, counts in enumerate(image_counts(share, 30, rng=rng)):
-        table = pd.DataFrame({"scene": f"{number:02d}", "threshold": [0.2, 0.5, 0.8], **counts})
-        table["grid"] = "quantiles"
-        tables.append(table.assign(output="fuse"))
-        tables.append(table.assign(output="side_1", matched_truth=0, matched_prediction=0))
-    return pd.concat(tables)
+def scores_of(levels, flights=(4000, 4001, 4002), n_trainings=2):
+    """Scores of trainings on sets with these levels, which scatter by training and by flight."""
+    rng = np.random.default_rng(1)
+    rows = []
+    for flight in flights:
+        shift = 0.05 * rng.standard_normal()
+        for name, level in levels.items():
+            for replica in range(n_trainings):
+                value = level + shift + 0.001 * rng.standard_normal()
+                row = {"training_set": name, "flight": flight, "replica": replica}
+                rows.append(row | dict.fromkeys(METRICS, value))
+    return pd.DataFrame(rows)
 
 
-def test_the_table_holds_scores_of_the_fused_output_and_their_differences_flight_by_flight(rng):
-    sets = sorted({name for pair in PAIRS for name in pair})
-    shares = {name: 0.5 + 0.05 * number for number, name in enumerate(sets)}
-    trainings = [(name, replica) for name in sets for replica in range(2)]
-    scores = []
-    for flight in (2000, 2001):
-        tables = [counts_table(shares[name], rng) for name, _ in trainings]
-        scores.append(training_scores(tables, trainings).assign(flight=flight))
-    table = worth_table(pd.concat(scores))
+def test_the_table_holds_the_pairs_named_before_and_their_differences_flight_by_flight():
+    sets = sorted({name for pair in ROLES for name in pair})
+    levels = {name: 0.5 + 0.01 * number for number, name in enumerate(sets)}
+    table = worth_table(scores_of(levels))
     ods = table[table["metric"] == "ods"].set_index(["training_set", "base"])
-    assert tuple(ods.index[0]) == ("rd_pd", "rd")
-    for name, base in ods.index:
-        row = ods.loc[(name, base), ["flight_2000", "flight_2001"]]
-        expected = shares[name] - shares.get(base, 0)
-        # Of 6000 trials twice: 0.0045, four of those and what the best of three thresholds adds.
-        assert_allclose(row.astype(float), expected, atol=0.04)
-    assert len(ods) == len(PAIRS) + len(sets)
+    assert tuple(ods.index[0]) == ("rd_pd", "rd_sample")
+    assert ods.iloc[0]["role"] == "endpoint"
+    pairs = ods[ods["role"].notna()]
+    assert dict(pairs["role"]) == ROLES
+    for name, base in pairs.index:
+        row = pairs.loc[(name, base), ["flight_4000", "flight_4001", "flight_4002"]]
+        # Of 2 trainings each with a scatter of .001: 4 standard deviations.
+        assert_allclose(row.astype(float), levels[name] - levels[base], atol=0.004)
+    assert len(ods) == len(ROLES) + len(sets)
+
+
+def test_only_named_pairs_are_tested_and_secondary_ones_share_a_level():
+    sets = {name for pair in ROLES for name in pair}
+    table = worth_table(scores_of(dict.fromkeys(sets, 0.7)))
+    tested = table[table["p"].notna()]
+    assert set(tested["role"]) == {"endpoint", "secondary"}
+    assert set(tested["metric"]) == {"ods"}
+    adjusted = table[table["p_holm"].notna()]
+    assert set(adjusted["role"]) == {"secondary"}
+    assert (adjusted["p_holm"] >= adjusted["p"]).all()
+
+
+def test_holm_s_method_is_that_of_the_published_example():
+    # Holm (1979): the smallest of four is compared with a quarter of the level, the next a third.
+    assert_allclose(holm(np.array([0.01, 0.04, 0.03, 0.005])), [0.03, 0.06, 0.06, 0.02])
+
+
+def test_shares_by_depth_count_layers_once_a_flight():
+    rows = []
+    for flight in (1, 2):
+        for replica, found in ((0, 10), (1, 30)):
+            row = {"training_set": "rd", "flight": flight, "replica": replica}
+            row |= {"depth_from_bins": 300, "n_true": 100, "n_found": found, "n_layers": 7}
+            rows.append(row)
+    (row,) = found_by_depth(pd.DataFrame(rows)).to_dict("records")
+    assert row == {"training_set": "rd", "depth_from_bins": 300, "share": 0.2, "n_layers": 14}
 
 
 def test_the_interval_over_flights_is_student_s_t():

@@ -10,7 +10,8 @@ from runs import parsed, run_snakemake
 from evaluation.lib.choices import PARTS, WHOLE
 from evaluation.lib.figures.charts import plot_task
 from evaluation.lib.figures.style import new_panel
-from evaluation.lib.flight_scores import PAIRS
+from evaluation.lib.flight_scores import ROLES
+from evaluation.lib.studied import SETS, first_scenes, studied_set
 
 
 def jobs_of(workflow, name):
@@ -19,41 +20,59 @@ def jobs_of(workflow, name):
 
 
 def test_controls_differ_from_rd_in_labels_or_in_the_flight_s_own_blocks_alone(tmp_path):
-    plan = parsed(tmp_path, targets=["results/one_flight/flights.csv"])
-    controls = {job.wildcards.control: job for job in jobs_of(plan, "train_control")}
+    plan = parsed(tmp_path, targets=["results/one_flight/flights.csv", "trackers"])
+    sets = {job.wildcards.studied: job for job in jobs_of(plan, "train_studied")}
+    assert set(sets) == set(SETS)
     (rd,) = [job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"]
-    assert controls["rd_full"].params.data == {**rd.params.data, "labels": "complete"}
-    assert controls["rd_own"].params.data == rd.params.data
     real = list(rd.input.real)
-    assert list(controls["rd_full"].input.real) == real
-    assert list(controls["rd_own"].input.real) == [*real, "results/one_flight/own.nc"]
-    for control in controls.values():
-        for name in ("seed", "replica", "settings", "n_epochs"):
-            assert control.params[name] == rd.params[name]
+    assert list(sets["rd"].input.real) == list(sets["rd_full"].input.real) == real
+    assert sets["rd_full"].params.data == {**sets["rd"].params.data, "labels": "complete"}
+    assert list(sets["rd_sample"].input.real) == [*real, "results/studies/sample_flight.nc"]
+    completed = [path.replace("benchmark", "cgan") for path in real]
+    assert list(sets["rd_completed"].input.real) == completed
+    for job in sets.values():
+        for name in ("seed", "replica", "n_epochs"):
+            assert job.params[name] == rd.params[name]
+        assert job.params.settings == {**rd.params.settings, "n_steps": 4}
+    added = {name: (bool(job.input.phy), bool(job.input.cgan)) for name, job in sets.items()}
+    assert added["rd_pd"] == added["rd_pd_paper"] == added["pd"] == (True, False)
+    assert added["rd_gd"] == added["gd"] == (False, True)
+    assert added["rd_pd_gd"] == added["pd_gd"] == (True, True)
+    (picked,) = jobs_of(plan, "train_cgan_as_picked")
+    assert list(picked.input.scenes) == real
+    (completing,) = jobs_of(plan, "train_cgan")
+    assert list(completing.input.scenes) == completed
 
 
 def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_path):
     plan = parsed(tmp_path, targets=["study_flights"])
     seeds = {job.wildcards.flight: job.params.settings["seed"] for job in jobs_of(plan, "fly")}
-    assert seeds == {"3000": 3000, "3001": 3001}
+    assert seeds == {"4000": 4000, "4001": 4001}
     assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/flights.csv"]), "fly")
 
 
-def test_a_training_of_the_study_of_budgets_differs_in_its_number_of_gradients_alone(tmp_path):
+def test_the_study_of_budgets_trains_every_set_and_chooses_on_validation_scenes(tmp_path):
     plan = parsed(tmp_path, targets=["study_budgets", "trackers"])
     (default,) = [
         job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"
     ]
-    trainings = jobs_of(plan, "train_budget")
-    assert {job.wildcards.training_set for job in trainings} == {"rd", "pd", "gd", "rd_pd"}
+    trainings = jobs_of(plan, "train_studied")
+    assert {job.wildcards.studied for job in trainings} == set(SETS)
     for job in trainings:
         n_steps = int(job.wildcards.n_gradients)
         assert job.params.settings == {**default.params.settings, "n_steps": n_steps}
-        for name in ("seed", "replica", "data", "device"):
-            assert job.params[name] == default.params[name]
-    # Test scenes choose nothing.
-    (tabulate,) = jobs_of(plan, "tabulate_budgets")
-    assert not [path for path in tabulate.input if "/test/" in path]
+    for job in jobs_of(plan, "score_studied"):
+        assert not [path for path in job.input if "/test/" in path]
+
+
+def test_the_curve_of_annotation_adds_phy_s_scenes_to_the_first_of_rd(tmp_path):
+    plan = parsed(tmp_path, targets=["results/one_flight/annotation.csv"])
+    sets = {job.wildcards.studied: job for job in jobs_of(plan, "train_studied")}
+    assert set(sets) == {first_scenes(n, with_pd) for n in (2, 4) for with_pd in (False, True)}
+    for name, job in sets.items():
+        assert job.params.data["n_real"] == studied_set(name).n_real
+        assert bool(job.input.phy) == name.endswith("_pd")
+        assert not job.input.cgan
 
 
 def test_a_tracker_without_a_part_of_the_scene_model_differs_in_its_scenes_alone(tmp_path):
@@ -83,23 +102,36 @@ def test_the_study_of_choices_leaves_a_loss_for_every_part(tmp_path):
 
 @pytest.mark.study
 def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_path):
-    run_snakemake(tmp_path, "--", "study_budgets", timeout=1800)
+    run_snakemake(tmp_path, "--", "study_budgets", timeout=3600)
     table = pd.read_csv(tmp_path / "results/studies/budgets.csv")
     assert (table[["training_s"]] > 0).all(axis=None)
     costs = table.groupby("training_set")["scenes_s"].max()
     assert costs["rd"] == 0 < costs["pd"] < costs["gd"]
+    assert costs["rd_gd_picked"] > 0
     _, ax = new_panel()
     plot_task(ax, table)
-    assert len(ax.lines) == 4
+    assert len(ax.get_legend().texts) == len(SETS)
+    depths = pd.read_csv(tmp_path / "results/studies/budgets_depths.csv")
+    assert (depths["n_found"] <= depths["n_true"]).all()
 
 
 @pytest.mark.study
 def test_two_small_flights_run_to_their_table(tmp_path):
     run_snakemake(tmp_path, "--", "study_flights", timeout=3600)
     worth = pd.read_csv(tmp_path / "results/studies/flights/worth.csv")
-    sets = {name for pair in PAIRS for name in pair}
-    assert len(worth) == 3 * (len(PAIRS) + len(sets))
-    assert worth[["flight_3000", "flight_3001", "low", "high"]].notna().all(axis=None)
+    assert len(worth) == 3 * (len(ROLES) + len(SETS))
+    assert worth[["flight_4000", "flight_4001", "low", "high"]].notna().all(axis=None)
+    depths = pd.read_csv(tmp_path / "results/studies/flights/depths.csv")
+    assert set(depths["training_set"]) == set(SETS)
+    assert depths["share"].between(0, 1).all()
+
+
+@pytest.mark.study
+def test_the_study_of_annotation_leaves_its_curve(tmp_path):
+    run_snakemake(tmp_path, "--", "study_annotation", timeout=3600)
+    curve = pd.read_csv(tmp_path / "results/studies/annotation/curve.csv")
+    assert len(curve) == 2 * 2 * 2
+    assert (tmp_path / "results/figures/annotation.svg").exists()
 
 
 @pytest.mark.study

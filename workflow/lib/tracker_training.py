@@ -3,6 +3,8 @@
 import dataclasses
 from contextlib import ExitStack
 
+from torch.utils.data import Subset
+
 from lib.training import TrainingRun, enough_memory
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
@@ -19,12 +21,15 @@ def compose(
     seed,
     added_per_real,
     labels="picked",
+    n_real=None,
 ):
     """The `TrainingSet` of opened scene sets, and settings with the number of steps of `n_epochs`.
 
-    Without `n_epochs` the number of steps stays that of the settings. `labels` other than the
-    default serve an ablation.
+    Without `n_epochs` the number of steps stays that of the settings. Studies train on the first
+    `n_real` real scenes, or on `complete` labels.
     """
+    if n_real is not None:
+        real = Subset(real, range(n_real))
     if labels == "complete":
         real = Completed(real)
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)

@@ -75,7 +75,7 @@ rule train_cgan:
     message:
         "cGAN training"
     script:
-        "../scripts/train_cgan.py"
+        str(ROOT / "workflow/scripts/train_cgan.py")
 
 
 rule render_cgan:
@@ -101,7 +101,7 @@ rule render_cgan:
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        "../scripts/render_cgan.py"
+        str(ROOT / "workflow/scripts/render_cgan.py")
 
 
 # Renderers of someone's own, functions of a scene. A workflow without any has no such rule.

@@ -6,41 +6,38 @@ mean over flights of each flight's own mean. Its error is the spread of these me
 the effects of flights, generators, trainings and images in their right proportions.
 """
 
+import numpy as np
 import pandas as pd
 from scipy.stats import t as student
+from scipy.stats import ttest_1samp
 
-from lib.score_tables import counts_by_image
-from snowsim.metrics.edges import METRICS, score
+from snowsim.metrics.edges import METRICS
 
 LEVEL = 0.05  # significance level of a two-sided test
-# Pairs (training set, base) that are compared. The first, in ODS, is the endpoint, named before the
-# study was run; the others are exploratory.
-PAIRS = (
+# Pairs (training set, base) that are compared, named before the flights were scored. The endpoint
+# is in ODS, and so are the secondary pairs, which share one level by the method of Holm (1979).
+ENDPOINT = ("rd_pd", "rd_sample")
+SECONDARY = (
+    ("rd_sample_pd", "rd_sample"),
     ("rd_pd", "rd"),
+    ("rd_pd", "rd_completed"),
+    ("rd_gd_picked", "rd"),
+)
+EXPLORATORY = (
+    ("rd_sample", "rd"),
+    ("rd_completed", "rd"),
+    ("rd_completed_pd", "rd_completed"),
+    ("rd_pd_paper", "rd"),
+    ("rd_gd", "rd"),
+    ("rd_pd_gd", "rd_pd"),
     ("pd", "rd"),
     ("gd", "rd"),
-    ("rd_gd", "rd"),
-    ("rd_pd_gd", "rd"),
+    ("pd_gd", "rd"),
     ("rd_full", "rd"),
-    ("rd_own", "rd"),
-    ("rd_pd", "rd_own"),
-    ("rd_pd_gd", "rd_pd"),
-    ("pd", "rd_full"),
     ("rd_pd", "rd_full"),
 )
-
-
-def training_scores(tables, trainings):
-    """Table of scores of the fused output, with columns `training_set, replica` and `METRICS`.
-
-    `tables` holds edge counts, one table for each (training set, replica) of `trainings`.
-    """
-    rows = []
-    for table, (training_set, replica) in zip(tables, trainings, strict=True):
-        scores = score(counts_by_image(table, "fuse"))
-        row = {"training_set": training_set, "replica": replica}
-        rows.append(row | {metric: scores[metric] for metric in METRICS})
-    return pd.DataFrame(rows)
+ROLES = {ENDPOINT: "endpoint"} | dict.fromkeys(SECONDARY, "secondary")
+ROLES |= dict.fromkeys(EXPLORATORY, "exploratory")
 
 
 def mean_over_flights(values):
@@ -56,25 +53,63 @@ def mean_over_flights(values):
 def worth_table(scores):
     """Worth of training sets over flights: rows for pairs and metrics, then for sets and metrics.
 
-    `scores` are those of `training_scores` with a column `flight`. Columns are `training_set, base,
-    metric`, those of `mean_over_flights`, and for each flight the mean over its trainings,
-    `flight_2000` and so on. Values are differences to `base`, or scores where there is no base.
+    `scores` has columns `training_set, flight` and `METRICS`, a row for each training. Columns are
+    `training_set, base, role, metric`, those of `mean_over_flights`, `p` of a t test, `p_holm`, and
+    for each flight the mean over its trainings, `flight_4000` and so on. Values are differences to
+    `base`, or scores where there is no base. `role` is one of endpoint, secondary and exploratory.
+    `p` is given for ODS of the endpoint and the secondary pairs; `p_holm`, for the latter, is
+    adjusted for their number.
     """
     means = scores.groupby(["training_set", "flight"], sort=False)[list(METRICS)].mean()
     rows = []
-    for training_set, base in PAIRS:
+    for (training_set, base), role in ROLES.items():
         differences = means.loc[training_set] - means.loc[base]
-        rows += _rows(training_set, base, differences)
+        rows += _rows(training_set, base, role, differences)
     for training_set in means.index.unique("training_set"):
-        rows += _rows(training_set, None, means.loc[training_set])
-    return pd.DataFrame(rows)
+        rows += _rows(training_set, None, None, means.loc[training_set])
+    table = pd.DataFrame(rows)
+    secondary = (table["role"] == "secondary") & table["p"].notna()
+    table.insert(table.columns.get_loc("p") + 1, "p_holm", np.nan)
+    table.loc[secondary, "p_holm"] = holm(table.loc[secondary, "p"].to_numpy())
+    return table
 
 
-def _rows(training_set, base, values):
+def holm(p):
+    """P values adjusted for their number by Holm (1979), Scand. J. Statist. 6, 65-70."""
+    order = np.argsort(p)
+    stepped = np.maximum.accumulate(np.arange(len(p), 0, -1) * p[order])
+    adjusted = np.empty(len(p))
+    adjusted[order] = np.minimum(stepped, 1)
+    return adjusted
+
+
+def _rows(training_set, base, role, values):
     """Rows of `worth_table` from values by flight and metric."""
     rows = []
     for metric in METRICS:
-        row = {"training_set": training_set, "base": base, "metric": metric}
+        row = {"training_set": training_set, "base": base, "role": role, "metric": metric}
         row |= mean_over_flights(values[metric])
+        is_tested = role in ("endpoint", "secondary") and metric == "ods"
+        row["p"] = ttest_1samp(values[metric], 0).pvalue if is_tested else np.nan
         rows.append(row | values[metric].add_prefix("flight_").to_dict())
     return rows
+
+
+def found_by_depth(depths):
+    """Share of layer pixels found by depth, over all trainings: a row a set and a depth step.
+
+    `depths` has columns `training_set, depth_from_bins, n_true, n_found, n_layers` and those that
+    tell trainings apart. Columns are `training_set, depth_from_bins, share, n_layers`, the latter a
+    mean over trainings.
+    """
+    keys = ["training_set", "depth_from_bins"]
+    sums = depths.groupby(keys, sort=False)[["n_true", "n_found", "n_layers"]].sum().reset_index()
+    n_trainings = depths.groupby("training_set")["replica"].agg(lambda each: each.nunique())
+    if "flight" in depths:
+        runs = depths[["training_set", "flight", "replica"]].drop_duplicates()
+        n_trainings = runs.groupby("training_set").size()
+        # Layers are counted once a flight, not once a training.
+        n_trainings = n_trainings / depths["flight"].nunique()
+    table = sums[keys].assign(share=sums["n_found"] / sums["n_true"])
+    table["n_layers"] = sums["n_layers"] / sums["training_set"].map(n_trainings)
+    return table.sort_values(keys)

@@ -57,17 +57,19 @@ def draw_reference(reference, seed):
 def flight_config(config, study, flight):
     """Configuration of a whole run for one flight of a study, with its seed, climate and radar.
 
-    The study says how many trainings of a set there are and, if it says so, how many validation
-    scenes. All other settings are those of `config` and so the same for every flight.
+    The study says how many train and validation scenes there are, if it needs others. The flight
+    with the seed of `config` is the default one. All other settings are those of `config` and so
+    the same for every flight.
     """
     studied = config["studies"][study]
     own = copy.deepcopy(config)
-    own["seed"] = int(flight)
-    own["benchmark"]["test_seed"] = own["seed"]
-    own["reference"] = draw_reference(config["reference"], own["seed"])
-    own["tracker"]["n_seeds"] = studied["n_trainings"]
-    if "n_validation" in studied:
-        own["benchmark"]["n_scenes"]["validation"] = studied["n_validation"]
+    n_scenes = own["benchmark"]["n_scenes"]
+    for split in ("train", "validation"):
+        n_scenes[split] = studied.get(f"n_{split}", n_scenes[split])
+    if int(flight) != config["seed"]:
+        own["seed"] = int(flight)
+        own["benchmark"]["test_seed"] = own["seed"]
+        own["reference"] = draw_reference(config["reference"], own["seed"])
     own["own"] = {}
     # Each run keeps its unfinished trainings in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"

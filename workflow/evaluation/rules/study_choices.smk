@@ -84,39 +84,37 @@ use rule train_tracker as train_without with:
         "tracker on scenes without {wildcards.part}, replica {wildcards.replica}"
 
 
-rule score_without:
+use rule score_studied as score_without with:
     input:
-        networks=expand("results/choices/{{part}}/{replica}.safetensors", replica=SEEDS),
+        networks=expand("results/choices/{{part}}/{replica}.safetensors", replica=REPLICAS),
         scenes=benchmark_files("validation"),
+        validation=benchmark_files("validation"),
     output:
         scores="results/choices/{part}/scores.csv",
+        depths="results/choices/{part}/depths.csv",
     log:
         "logs/score_without/{part}.log",
     benchmark:
         "results/benchmarks/score_without/{part}.tsv"
-    resources:
-        mem_mb=2000,
     params:
-        trainings=lambda w: [(w.part, replica) for replica in SEEDS],
+        labels=lambda w: {"training_set": w.part},
     message:
         "edge scores without {wildcards.part}"
-    script:
-        "../scripts/score_validation.py"
 
 
-rule score_choices:
+use rule score_flight as score_choices with:
     input:
         scores=expand("results/choices/{part}/scores.csv", part=PARTS),
+        depths=expand("results/choices/{part}/depths.csv", part=PARTS),
     output:
         scores="results/one_flight/choices.csv",
+        depths="results/one_flight/choices_depths.csv",
     log:
         "logs/score_choices.log",
     benchmark:
         "results/benchmarks/score_choices/all.tsv"
     message:
         "edge scores without each part"
-    script:
-        "../scripts/join_tables.py"
 
 
 # All flights.

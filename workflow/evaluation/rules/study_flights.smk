@@ -8,78 +8,32 @@ from evaluation.lib import flights
 
 FLOWN = config["studies"]["flights"]
 FLIGHTS = flights.flights_of(FLOWN["first_seed"], FLOWN["n_flights"])
-# RD with every layer labelled, and with the sample flight's annotated blocks in place of synthetic scenes.
-CONTROLS = ["rd_full", "rd_own"]
-SCORED_SETS = [*TRAINING_SETS, *ALONE, *CONTROLS]
+FLOWN_SETS = list(FLOWN["n_gradients"].items())
 
 
 wildcard_constraints:
     flight=r"\d+",
-    study="flights|choices",
-    control="|".join(CONTROLS),
+    study="flights|choices|annotation",
 
 
-# One flight: the main path and, beside it, trainings on the controls.
-
-
-rule cut_flight:
-    input:
-        echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
-        layers=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
-    output:
-        scenes="results/one_flight/own.nc",
-    log:
-        "logs/cut_flight.log",
-    benchmark:
-        "results/benchmarks/cut_flight/all.tsv"
-    params:
-        source=SYNTHETIC,
-    message:
-        "annotated blocks of the sample flight as scenes"
-    script:
-        "../scripts/cut_flight.py"
-
-
-use rule train_tracker as train_control with:
-    input:
-        real=lambda w: (
-            benchmark_files("train") + (rules.cut_flight.output if w.control == "rd_own" else [])
-        ),
-    output:
-        network="results/tracker/{control}/{replica}.safetensors",
-        losses="results/tracker/{control}/{replica}_losses.csv",
-    log:
-        "logs/train_control/{control}/{replica}.log",
-    benchmark:
-        "results/benchmarks/train_control/{control}/{replica}.tsv"
-    params:
-        data=lambda w: rules.train_tracker.params.data
-        | ({"labels": "complete"} if w.control == "rd_full" else {}),
-        checkpoint=f"{CHECKPOINTS}/train_control_{{control}}_{{replica}}.safetensors",
-        events=f"{EVENTS}/train_control/{{control}}/{{replica}}",
-    message:
-        "tracker on {wildcards.control}, replica {wildcards.replica}"
+# One flight.
 
 
 rule score_flight:
     input:
-        counts=expand(
-            "results/tracker/{training_set}/{replica}_counts.parquet",
-            training_set=SCORED_SETS,
-            replica=SEEDS,
-        ),
+        scores=scored(FLOWN_SETS, "test", "scores"),
+        depths=scored(FLOWN_SETS, "test", "depths"),
     output:
         scores="results/one_flight/flights.csv",
+        depths="results/one_flight/flights_depths.csv",
     log:
         "logs/score_flight.log",
     benchmark:
         "results/benchmarks/score_flight/all.tsv"
-    params:
-        trainings=[(name, replica) for name in SCORED_SETS for replica in SEEDS],
     message:
         "fused edge scores of every training of one flight"
     script:
-        "../scripts/score_flight.py"
+        "../scripts/join_tables.py"
 
 
 # All flights. A run goes on where it was stopped. It takes no lock, since its folder belongs to this job alone.
@@ -89,6 +43,7 @@ rule fly:
     # Not a script, because it needs Snakemake, which the environment of scripts does not have.
     output:
         scores="results/studies/{study}/{flight}/results/one_flight/{study}.csv",
+        depths="results/studies/{study}/{flight}/results/one_flight/{study}_depths.csv",
     log:
         "logs/fly/{study}/{flight}.log",
     benchmark:
@@ -117,9 +72,11 @@ rule fly:
 rule tabulate_flights:
     input:
         scores=expand(rules.fly.output.scores, study="flights", flight=FLIGHTS),
+        depths=expand(rules.fly.output.depths, study="flights", flight=FLIGHTS),
     output:
-        **drawn("study_flights", "flights_worth.svg"),
+        **drawn("study_flights", "flights_worth.svg", "flights_depths.svg"),
         worth="results/studies/flights/worth.csv",
+        depths="results/studies/flights/depths.csv",
     log:
         "logs/tabulate_flights.log",
     benchmark:
@@ -137,4 +94,4 @@ rule study_flights:
     input:
         rules.tabulate_flights.output,
     message:
-        "worth of synthetic scenes on flights of other climates and radars: 1 hour on two cores"
+        "worth of synthetic scenes on flights of other climates and radars: 3 hours on two cores"

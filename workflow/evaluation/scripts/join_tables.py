@@ -1,4 +1,4 @@
-"""One table of several."""
+"""Tables of the same columns, one below the other."""
 
 import pandas as pd
 from main_path import job
@@ -6,4 +6,5 @@ from main_path import job
 from snowsim.io.files import read_table, write_table
 
 with job(snakemake):
-    write_table(snakemake.output[0], pd.concat(map(read_table, snakemake.input)))
+    for name, path in snakemake.output.items():
+        write_table(path, pd.concat(map(read_table, snakemake.input[name])))

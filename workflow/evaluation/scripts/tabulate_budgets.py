@@ -1,17 +1,14 @@
-"""Cost of trainings and of the scenes they see, and their ODS on validation scenes."""
+"""Cost of trainings and of the scenes they see, and their scores on validation scenes."""
 
 from datetime import date
 from pathlib import Path
 
 import pandas as pd
-from main_path import ROOT, job, progress
+from main_path import ROOT, job
 
-from lib.score_tables import counts_by_image
-from lib.tracker_scores import count_edges, read_tracker
+from evaluation.lib.studied import studied_set
 from pretrained.card import commit_of
-from snowsim.io.files import write_table
-from snowsim.io.scenes import SceneSet
-from snowsim.metrics.edges import score
+from snowsim.io.files import read_table, write_table
 
 
 def core_seconds(place):
@@ -24,20 +21,19 @@ def core_seconds(place):
     return sum(pd.read_csv(file, sep="\t")["s"].sum() for file in files)
 
 
-with job(snakemake), SceneSet(snakemake.input.scenes) as scenes:
-    rows = []
-    runs = zip(snakemake.params.runs, snakemake.input.networks, strict=True)
-    for (name, n_gradients, replica), network in progress(list(runs), "trackers"):
-        counts, _ = count_edges(read_tracker(network).calibrated(scenes), scenes, ["fuse"])
-        row = {
-            "training_set": name,
-            "n_gradients": n_gradients,
-            "replica": replica,
-            "training_s": core_seconds(f"train_budget/{name}/{n_gradients}/{replica}.tsv"),
-            "scenes_s": sum(map(core_seconds, snakemake.params.made_by[name])),
-            "ods": score(counts_by_image(counts, "fuse"))["ods"],
-            "commit": commit_of(ROOT),
-            "date": date.today().isoformat(),
-        }
-        rows.append(row)
-    write_table(snakemake.output.budgets, pd.DataFrame(rows))
+def costs(row):
+    """Core-seconds of a training, and of the scenes that it was added."""
+    training = f"train_studied/{row.training_set}/{row.n_gradients}/{row.replica}.tsv"
+    rules = [snakemake.params.made_by[name] for name in studied_set(row.training_set).added]
+    return {
+        "training_s": core_seconds(training),
+        "scenes_s": sum(map(core_seconds, sum(rules, []))),
+    }
+
+
+with job(snakemake):
+    scores = pd.concat(map(read_table, snakemake.input.scores), ignore_index=True)
+    of_runs = pd.DataFrame([costs(row) for row in scores.itertuples()])
+    today = {"commit": commit_of(ROOT), "date": date.today().isoformat()}
+    write_table(snakemake.output.budgets, pd.concat([scores, of_runs], axis=1).assign(**today))
+    write_table(snakemake.output.depths, pd.concat(map(read_table, snakemake.input.depths)))

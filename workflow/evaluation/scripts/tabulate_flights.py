@@ -1,17 +1,25 @@
-"""Worth of training sets over flights: table and figure."""
+"""Worth of training sets over flights, and the share of layers found by depth: tables, figures."""
 
 import pandas as pd
 from main_path import job
 
-from evaluation.lib.figures.study_flights import flights_worth
+from evaluation.lib.figures.studies import flights_depths, flights_worth
 from evaluation.lib.figures.style import save_figure
-from evaluation.lib.flight_scores import worth_table
+from evaluation.lib.flight_scores import found_by_depth, worth_table
 from snowsim.io.files import read_table, write_table
 
+
+def of_flights(paths):
+    """One table of those of all flights."""
+    flights = zip(paths, snakemake.params.flights, strict=True)
+    return pd.concat([read_table(path).assign(flight=flight) for path, flight in flights])
+
+
 with job(snakemake):
-    flights = zip(snakemake.input.scores, snakemake.params.flights, strict=True)
-    scores = [read_table(path).assign(flight=flight) for path, flight in flights]
-    worth = worth_table(pd.concat(scores))
+    worth = worth_table(of_flights(snakemake.input.scores))
     write_table(snakemake.output.worth, worth)
-    figure = flights_worth(worth)
-    save_figure(snakemake.output.flights_worth_svg, figure, snakemake.params.source)
+    depths = found_by_depth(of_flights(snakemake.input.depths))
+    write_table(snakemake.output.depths, depths)
+    note = snakemake.params.source
+    save_figure(snakemake.output.flights_worth_svg, flights_worth(worth), note)
+    save_figure(snakemake.output.flights_depths_svg, flights_depths(depths), note)

@@ -14,14 +14,18 @@ from evaluation.lib.figures.style import (
     new_figure,
     plt,
 )
+from evaluation.lib.studied import studied_set
+from snowsim.tracker.sampling import PAPER_SCENES_PER_REAL
 
-# Names of training sets, their colours, and how their names are aligned to the last point.
-TRACKERS = {
-    "rd": ("RD: annotated scenes", BLACK, "left"),
-    "pd": ("PD: PHY's scenes", BLUE, "right"),
-    "gd": ("GD: the cGAN's scenes", RED, "left"),
-    "rd_pd": ("RD+PD", GREEN, "left"),
+# Colours of training sets by the scenes that are added to them, and marks by the real ones.
+ADDED = {
+    (): BLACK,
+    ("phy",): BLUE,
+    ("cgan",): RED,
+    ("cgan_as_picked",): ORANGE,
+    ("phy", "cgan"): GREEN,
 }
+REAL = {None: "s", "train": "o", "sample": "^", "completed": "D"}
 WAYS = {
     "convolution": ("numerical convolution", BLACK),
     "closed form": ("closed form, exact", GREEN),
@@ -39,7 +43,7 @@ QUANTITIES = {
 
 def speed_accuracy(budgets, table):
     """Core-seconds against ODS, by what a tracker saw; time against error of PHY's arithmetic."""
-    figure, axes = new_figure(1, 2, width=9, height=3.6)
+    figure, axes = new_figure(1, 2, width=11, height=4.2, width_ratios=(1.5, 1))
     of_task, of_arithmetic = axes[0]
     plot_task(of_task, budgets)
     plot_arithmetic(of_arithmetic, table[table["panel"] == "mean power"])
@@ -47,22 +51,28 @@ def speed_accuracy(budgets, table):
 
 
 def plot_task(ax, budgets):
-    """Fused ODS on validation scenes against the cost of scenes and training, by gradients."""
+    """Fused ODS on validation scenes against the cost of scenes and training, a line a set.
+
+    A point is the mean of the trainings with one number of gradients. The best of each set is
+    large; the legend names it.
+    """
     cost = budgets["scenes_s"] + budgets["training_s"]
     keys = ["training_set", "n_gradients"]
     means = budgets.assign(cost=cost).groupby(keys)[["cost", "ods"]].mean().reset_index()
-    for name, (label, colour, side) in TRACKERS.items():
-        rows = means[means["training_set"] == name]
-        ax.plot("cost", "ods", data=rows, color=colour, marker="o", markersize=4)
-        last = rows.iloc[-1]
-        is_alone = len(rows) == 1
-        label = f"{label}, {last['n_gradients']}" if is_alone else label
-        name_point(ax, label, last[["cost", "ods"]], colour, below=is_alone, ha=side, fontsize=8)
-        for row in () if is_alone else rows.itertuples():
-            name_point(ax, row.n_gradients, (row.cost, row.ods), colour, below=True, ha=side)
-    ax.margins(x=0.25, y=0.15)
+    best = means.loc[means.groupby("training_set")["ods"].idxmax()]
+    for point in best.sort_values("ods", ascending=False).itertuples():
+        shown = studied_set(point.training_set)
+        style = {"color": ADDED[shown.added], "marker": REAL[shown.real]}
+        is_variant = shown.labels == "complete" or shown.added_per_real == PAPER_SCENES_PER_REAL
+        style["linestyle"] = ":" if is_variant else "-"
+        rows = means[means["training_set"] == point.training_set]
+        label = f"{shown.about}: {point.ods:.3f}, {point.n_gradients} gradients"
+        ax.plot("cost", "ods", data=rows, markersize=3, linewidth=0.9, **style)
+        ax.plot(point.cost, point.ods, markersize=7, label=label, **style)
+    ax.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
     ax.set(xscale="log", xlabel="core-seconds to make scenes and train a tracker")
-    ax.set(ylabel="ODS on validation scenes", title="the task; numbers: gradients")
+    ax.set_ylabel("ODS on validation scenes")
+    ax.set_title("each point: trackers on one set with one number of gradients")
 
 
 def plot_arithmetic(ax, runs):

@@ -51,8 +51,6 @@ NAMES = {
     "rd_gd": "RD+GD",
     "rd_pd": "RD+PD",
     "rd_pd_gd": "RD+PD+GD",
-    "rd_full": "RD, full labels",
-    "rd_own": "RD + sample flight",
     "psnr": "PSNR [dB]",
     "rmse": "RMSE [grey levels]",
     "ssim": "SSIM",
