@@ -4,7 +4,13 @@ import fill_tables
 import numpy as np
 import pandas as pd
 import pytest
-from claims import claims_of_trackers, off_where_bent, radial_spectrum_db, verdict
+from claims import (
+    claims_of_flights,
+    claims_of_trackers,
+    off_where_bent,
+    radial_spectrum_db,
+    verdict,
+)
 from numpy.testing import assert_allclose
 from refusals import refusal
 from result_tables import SETS, table2, table3_intervals
@@ -60,14 +66,30 @@ def test_every_table_has_its_place_on_a_page():
 
 def test_verdicts_follow_from_the_side_of_zero():
     assert [verdict(*interval) for interval in ((0.1, 0.2), (-0.1, 0.2), (-0.2, -0.1))] == [
-        "confirmed",
+        "indicated",
         "open",
-        "contradicted",
+        "the opposite is indicated",
     ]
     rows = claims_of_trackers(table3_intervals({("fuse", "rd_pd"): -0.25}, 0.125))
     outcomes = {claim: outcome for claim, outcome, _ in rows}
-    assert outcomes["RD+PD raises the fused ODS"] == "contradicted"
+    assert outcomes["RD+PD raises the fused ODS"] == "the opposite is indicated"
     assert outcomes["RD+GD raises the fused ODS"] == "open"
+
+
+def test_only_tests_over_flights_that_were_named_before_confirm_a_claim():
+    rows = [
+        ("rd_pd", "rd_sample", "endpoint", 0.02, 0.01, np.nan),
+        ("rd_pd", "rd", "secondary", 0.03, 0.01, 0.04),
+        ("rd_pd", "rd_completed", "secondary", -0.02, 0.02, 0.04),
+        ("rd_gd_picked", "rd", "secondary", 0.01, 0.03, 0.12),
+        ("pd", "rd", "exploratory", 0.04, np.nan, np.nan),
+    ]
+    columns = ["training_set", "base", "role", "mean", "p", "p_holm"]
+    worth = pd.DataFrame(rows, columns=columns).assign(metric="ods", low=-1.0, high=1.0)
+    found = claims_of_flights(pd.concat([worth, worth.assign(metric="ap")]))
+    outcomes = [outcome for _, outcome, _ in found]
+    assert outcomes == ["confirmed", "confirmed", "contradicted", "open"]
+    assert found[0][0] == "RD+PD has a higher fused ODS than RD + sample flight, over flights"
 
 
 @pytest.mark.parametrize("off_bins", [0, 3])
