@@ -76,7 +76,7 @@ def measure_groups(groups):
             continue
         peak = first + np.nanargmax(window)
         fall = line[peak : end + 1]
-        # Rows are means over the lines where a layer is picked: those of two close layers may cross.
+        # Rows are means over the lines with picks: those of two close layers may cross.
         if fall.size == 0:
             continue
         lowest = np.nanargmin(fall)
