@@ -330,11 +330,17 @@ def _looks_in_air(power, surface):
     For M looks, the difference of the logarithms of the noise of two lines has the variance
     2 trigamma(M), about ``2 / M + 1 / M^2``. A difference of level between lines cancels.
     """
+    n_rows = max(int(np.ceil(np.nanmax(surface, initial=0) - AIR_ABOVE)), 0)
+    power = power[:n_rows]
     air = (np.arange(len(power))[:, None] < surface - AIR_ABOVE) & (power > 0)
-    logs = np.ma.log(np.ma.array(power, mask=~air))
-    ratio = logs[:, 1:] - logs[:, :-1]
-    variance = ratio.var(axis=0, ddof=1)[ratio.count(axis=0) >= LEAST_AIR]
-    if variance.size < LEAST_LINES // 2:
+    logs = np.log(np.where(air, power, 1))
+    both = air[:, 1:] & air[:, :-1]
+    ratio = np.where(both, logs[:, 1:] - logs[:, :-1], 0)
+    count = both.sum(axis=0)
+    enough = count >= LEAST_AIR
+    if enough.sum() < LEAST_LINES // 2:
         return np.nan
-    variance = np.median(variance.filled(0))
+    ratio, both, count = ratio[:, enough], both[:, enough], count[enough]
+    away = np.where(both, ratio - ratio.sum(axis=0) / count, 0)
+    variance = np.median((away * away).sum(axis=0) / (count - 1))
     return 1 / (np.sqrt(1 + variance) - 1) if variance > 0 else np.nan

@@ -51,7 +51,7 @@ def _rows_at(line, pieces, ends):
     """Rows of the pieces on a range line by number of the piece, a dict in downward order."""
     start, stop = ends
     there = np.flatnonzero((start <= line) & (line <= stop))
-    rows = {n: pieces[n].at(line) for n in there}
+    rows = {n: pieces[n].filled[line - start[n]] for n in there}
     return {n: rows[n] for n in sorted(rows, key=rows.get)}
 
 

@@ -1,6 +1,7 @@
 """Links the peaks of range lines into pieces of layers: the chains with the most evidence."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -97,12 +98,10 @@ class Piece:
     row: np.ndarray
     excess: np.ndarray
 
-    def at(self, line):
-        """Rows at range lines, interpolated linearly between those of the chain."""
-        # Only the part around these lines is searched: a chain may be as long as a segment.
-        first = max(0, np.searchsorted(self.line, np.min(line), "right") - 1)
-        around = slice(first, np.searchsorted(self.line, np.max(line)) + 1)
-        return np.interp(line, self.line[around], self.row[around])
+    @cached_property
+    def filled(self):
+        """Row on every range line from the first of the chain to its last."""
+        return np.interp(np.arange(self.line[0], self.line[-1] + 1), self.line, self.row)
 
 
 def find_candidates(log_odds, linking, threshold):

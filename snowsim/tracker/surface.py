@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
+from snowsim.compiling import compiled
+
 AIR_BINS = 24  # bins of air above a surface that are averaged
 # The rise at a surface exceeds the error of a mean of three bins, even with a single look.
 LEAST_AIR_BINS = 3
@@ -59,14 +61,31 @@ def find_surface(power_db, given):
     return found, _share_of_rise(rise, given - first)
 
 
+@compiled()
 def _means(power_db, n, n_least):
     """Means of `n` bins from each bin on, (place, range_line), NaN if too few are known."""
-    present = np.isfinite(power_db)
-    start = np.zeros((1, power_db.shape[1]))
-    total = np.cumsum(np.r_[start, np.where(present, power_db, 0)], axis=0)
-    count = np.cumsum(np.r_[start, present], axis=0)
-    count = count[n:] - count[:-n]
-    return np.where(count >= n_least, total[n:] - total[:-n], np.nan) / np.maximum(count, 1)
+    n_bins, n_lines = power_db.shape
+    means = np.empty((n_bins - n + 1, n_lines))
+    # Sums and numbers of known bins above the last rows, in a ring.
+    total = np.zeros((n + 1, n_lines))
+    count = np.zeros((n + 1, n_lines), np.int64)
+    for row in range(n_bins):
+        last = row % (n + 1)
+        here = (row + 1) % (n + 1)
+        start = (row + 1 - n) % (n + 1)
+        for line in range(n_lines):
+            known = np.isfinite(power_db[row, line])
+            total[here, line] = total[last, line] + (power_db[row, line] if known else 0.0)
+            count[here, line] = count[last, line] + known
+        if row + 1 < n:
+            continue
+        for line in range(n_lines):
+            n_known = count[here, line] - count[start, line]
+            mean = np.nan
+            if n_known >= n_least:
+                mean = (total[here, line] - total[start, line]) / n_known
+            means[row + 1 - n, line] = mean
+    return means
 
 
 def _share_of_rise(rise, at):

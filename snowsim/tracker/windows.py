@@ -34,8 +34,6 @@ def runner(weights, temperature=1.0, where="weights"):
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
     options.inter_op_num_threads = 1
-    # Windows differ in size, and an arena would keep the memory of the largest.
-    options.enable_cpu_mem_arena = False
     try:
         session = onnxruntime.InferenceSession(weights, options, ["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime does not export its errors
