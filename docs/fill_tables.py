@@ -324,6 +324,18 @@ def dated_cases(results):
     return markdown(header, rows)
 
 
+def agreement(results):
+    """Agreement of two passes beside F against truth, by flight; see `bench_agreement`."""
+    table = pd.read_csv(ROOT / "benchmarks/agreement_by_flight.csv")
+    names = ("f", "share_matched", "depth_rms_m", "accumulation_rms_m_we", "share_same_year")
+    rows = []
+    for flight in table.to_dict("records"):
+        values = ("" if np.isnan(flight[name]) else f"{flight[name]:.3f}" for name in names)
+        rows.append([flight["flight"].replace("_", " "), *values, f"{flight['offset']:.2f}"])
+    header = ["flight", "F", "share matched", "depth [m]", "accumulation [m w.e.]", "same year"]
+    return markdown([*header, "places with an offset"], rows)
+
+
 def hundredths(share):
     """Number to two decimals without the zero before the point."""
     return f"{share:.2f}".removeprefix("0")
@@ -332,6 +344,7 @@ def hundredths(share):
 TABLES = {
     "dates": dates,
     "dated_cases": dated_cases,
+    "agreement": agreement,
     "results": default_run,
     "headline": headline,
     "flights": flights,

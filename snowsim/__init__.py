@@ -9,7 +9,7 @@ __version__ = "0.5.0"
 FRONT = {
     "front": ["scenes"],
     "scoring": ["score_folders"],
-    "snowpack": ["Climate", "Radar", "Snowpack", "accumulation", "simulate"],
+    "snowpack": ["Climate", "Radar", "Snowpack", "accumulation", "agreement", "simulate"],
     "tracking": ["Tracker", "list_pretrained"],
 }
 __getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=FRONT)

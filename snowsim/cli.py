@@ -809,6 +809,138 @@ def echo_accumulation(path, n_rows, found, temperature_k):
         )
 
 
+@commands.command(
+    short_help="Compare layers where tracks cross or overlap.", context_settings=SHOW_DEFAULTS
+)
+@click.argument("files", nargs=-1, required=True, type=EXISTING)
+@click.option(
+    "-o",
+    "--output",
+    "path",
+    required=True,
+    type=FILE,
+    help="File of the results, NAME.csv or NAME.nc; figures by pair of segments are written to "
+    "NAME_summary.csv beside it.",
+)
+@click.option(
+    "--within-m",
+    type=POSITIVE,
+    default=50.0,
+    help="Largest distance between range lines that see the same snow [m].",
+)
+@click.option(
+    "--tolerance-years",
+    type=click.FloatRange(0, 0.5, min_open=True),
+    default=0.25,
+    help="Largest difference in mass between matched layers [years of accumulation].",
+)
+@click.option(
+    "--density",
+    help="Density of the snow [kg m-3], or the file of a measured profile; by default, density "
+    "grows with depth from 340.",
+)
+@click.option(
+    "--temperature-k",
+    type=float,
+    help="Annual mean temperature of the firn [K]; by default, in Greenland, that of the position.",
+)
+@click.option(
+    "--annual/--count",
+    default=None,
+    help="Take every layer for one year, or count years; by default, as snowsim accumulation does.",
+)
+@click.option(
+    "--expected",
+    "expected_m",
+    type=float,
+    help="Known accumulation of the place [m w.e. / yr]; by default, only the layers are used.",
+)
+@click.option("--png", is_flag=True, help="Also draw both profiles at each place, as NAME.png.")
+@force_files_option
+def agreement(files, path, within_m, tolerance_years, density, png, force, **dating):
+    """Compare the layers in FILES where tracks cross, overlap or were flown twice.
+
+    There the same snow was seen twice, so that picks and accumulation are scored without truth.
+    FILES are layer files of several segments, or of one that crosses itself. Files whose names have
+    the same segment (YYYYMMDD_SS) are joined; any other file is a segment of its own. A crossing
+    has one row, an overlap one in every 20 times --within-m.
+
+    \b
+    Columns of the CSV; NetCDF has them on place, and every layer and year compared:
+      first, second          names of both segments; differences are second less first
+      meeting, kind          number of the crossing or overlap
+      time_*, lat, lon       times of both range lines, position of the first
+      distance_m, angle_deg  between both lines, and between both directions of flight
+      length_m               length of track over which both are near each other [m]
+      days_between           time between both flights [days]
+      fallen_m_we            snow that fell in that time, taken off [m w.e.]
+      n_first, n_second      layers of each, in snow that both have layers in
+      n_matched              layers of both that are one, by the mass of snow above them
+      share_matched          2 n_matched / (n_first + n_second)
+      depth_*_m              rms and median difference of depth of matched layers [m]
+      accumulation_*_m_we    the same of accumulation of years that both have [m w.e. / yr]
+      offset_years           most frequent difference of years; not 0: one of both miscounted
+      share_same_year        share of matched and dated layers of the same year
+
+    \b
+    Examples:
+      snowsim agreement layers/*.nc -o agreement.csv
+      snowsim agreement 2011/*_layers.nc 2012/*_layers.nc -o agreement.nc --png --within-m 100
+    """  # noqa: D205, D301
+    from snowsim.io import open_segments
+    from snowsim.io.files import write_dataset, write_table, written_together
+    from snowsim.io.place_pictures import write_places
+    from snowsim.snowpack import agreement, agreement_summary, agreement_table
+
+    picture = path.with_suffix(".png")
+    path_of_summary = path.with_name(f"{path.stem}_summary.csv")
+    outputs = [path, path_of_summary, picture] if png else [path, path_of_summary]
+    check_outputs(outputs, force, ".csv", ".nc")
+    with echo_warnings():
+        found = agreement(
+            open_segments(files),
+            density_of(density),
+            within_m=within_m,
+            tolerance_years=tolerance_years,
+            **dating,
+        )
+    summary = agreement_summary(found)
+    with written_together():
+        if path.suffix == ".nc":
+            write_dataset(path, found)
+        else:
+            write_table(path, agreement_table(found))
+        write_table(path_of_summary, summary)
+        if png:
+            write_places(picture, found)
+    echo_agreement(path, summary)
+    if png:
+        click.echo(f"{picture}: layers at {found.sizes['place']} places")
+
+
+def echo_agreement(path, summary):
+    """Print how well all places together agree."""
+    whole = summary.iloc[-1]
+    click.echo(
+        f"{path}: {whole['n_crossings']} crossings and {whole['n_overlaps']} overlaps of "
+        f"{len(summary) - 1} pairs of segments, {whole['n_compared']} of {whole['n_places']} "
+        "places compared"
+    )
+    if whole["n_compared"]:
+        n_layers = whole["n_first"] + whole["n_second"]
+        click.echo(f"{whole['share_matched']:.2f} of {n_layers} layers are matched")
+    if whole["n_matched"]:
+        click.echo(f"depth differs by {whole['depth_rms_m']:.2g} m (rms)")
+    if not isnan(whole["accumulation_rms_m_we"]):
+        rms_m = whole["accumulation_rms_m_we"]
+        click.echo(f"accumulation of a year differs by {rms_m:.2g} m w.e. (rms)")
+    if not isnan(whole["share_same_year"]):
+        click.echo(
+            f"years are offset at {whole['n_offset']} places, "
+            f"{whole['share_same_year']:.2f} of matched and dated layers have the same year"
+        )
+
+
 def density_of(text):
     """Density of --density: a number [kg m-3], the profile in the file of that name, or None."""
     from snowsim.io.profiles import read_profile

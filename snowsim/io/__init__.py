@@ -10,7 +10,13 @@ MODULES = {
     "echograms": ["read_echogram"],
     "files": ["read_dataset", "read_table", "write_dataset", "write_table", "written_whole"],
     "frames": ["check_frames", "read_frame", "read_frames"],
-    "layers": ["open_segment", "read_layers", "write_layer_files", "write_layers"],
+    "layers": [
+        "open_segment",
+        "open_segments",
+        "read_layers",
+        "write_layer_files",
+        "write_layers",
+    ],
     "models": ["fingerprint", "read_model", "read_tracker", "write_model"],
     "pairs": [
         "PairSet",
@@ -23,6 +29,7 @@ MODULES = {
         "write_image",
     ],
     "pictures": ["write_picture"],
+    "place_pictures": ["write_places"],
     "profiles": ["Profile", "read_profile"],
     "scenes": ["SceneSet", "write_scenes"],
 }

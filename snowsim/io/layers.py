@@ -183,6 +183,37 @@ def open_segment(paths):
     return by_name
 
 
+def open_segments(paths):
+    """Layers of several segments, each joined as `open_segment` does.
+
+    Parameters
+    ----------
+    paths : iterable of path_like
+        Files that `read_layers` reads. Files are of one segment if their names have the same, as
+        ``Data_20120330_04_001_layers.nc`` has 20120330_04. A file whose name has none is a segment
+        of its own.
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        Results of `open_segment` by the segment's name, or by the file's.
+
+    Raises
+    ------
+    ValueError
+        In one line, if `open_segment` refuses a segment, or two files would have one name.
+    """
+    by_segment = {}
+    for path in map(Path, paths):
+        segment, _ = named_frame(path)
+        name = path.stem.removesuffix("_layers") if segment is None else segment
+        if segment is None and name in by_segment:
+            expected = f"another name than that of {by_segment[name][0]}, by which segments go"
+            raise refusal(path, "name", expected, path.name)
+        by_segment.setdefault(name, []).append(path)
+    return {name: open_segment(own) for name, own in by_segment.items()}
+
+
 def _check_together(frames, where):
     """Refuse frames that do not belong together, and say which of them a person corrected."""
     digests = {frame.attrs.get(TOGETHER) for frame in frames} - {None}

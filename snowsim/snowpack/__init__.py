@@ -5,6 +5,7 @@ import lazy_loader
 # Functions and classes by their module. They are loaded at first use, so that the schema, which
 # needs firn alone, loads no other module.
 FACE = {
+    "matching": ["agreement", "agreement_summary", "agreement_table"],
     "physical": ["Climate", "PRESETS", "Radar", "Snowpack", "physical_parameters"],
     "profile": ["Reflectors", "combine"],
     "simulation": ["simulate"],

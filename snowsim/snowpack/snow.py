@@ -48,6 +48,7 @@ UNIT_AND_MEANING = {
     "layer": ("1", "name of a layer that is used"),
     "layer_depth_m": ("m", "depth of a layer"),
     "layer_m_we": ("m", "mass above a layer in metres of water"),
+    "layer_year": ("1", "year of the autumn horizon that a layer is, missing if it is none"),
 }
 N_TIMES = 500  # number of travel times at which depth is tabulated
 # Standard deviation of the density of a year's snow about the profile; 18 to 39 in cores.
@@ -120,7 +121,8 @@ def accumulation(
 
         `open_m_we` (slow_time) is the mass above the horizon of the last autumn. `layer_depth_m`
         and `layer_m_we` (layer, slow_time) are the depth of every layer that is used, and the mass
-        above it. `depth_at` (below_s) is the depth [m] at travel times below the surface.
+        above it; `layer_year` (layer) is its year, NaN if it is no horizon. `depth_at` (below_s) is
+        the depth [m] at travel times below the surface.
 
         Attributes are `uppermost`, the newest dated horizon and its year, ``snow_2=2011``;
         `last_autumn`, the year of age 0; `surety`, a line on how many dates are sure; `typical_m`,
@@ -306,6 +308,7 @@ def _yearly(layers, picks, column, dated, density_error):
     found["open_m_we"] = ("slow_time", np.fmin.reduce(np.where(newest[:, None], water_m, np.nan)))
     found["layer_depth_m"] = (("layer", "slow_time"), depth_m)
     found["layer_m_we"] = (("layer", "slow_time"), water_m)
+    found["layer_year"] = ("layer", np.where(dated.age < 0, np.nan, dated.last_autumn - dated.age))
     found = found.assign_coords(below_s=times_s, layer=picks.names)
     for name, (units, meaning) in UNIT_AND_MEANING.items():
         found[name].attrs |= {"units": units, "long_name": meaning}

@@ -51,6 +51,18 @@ def test_a_table_without_its_files_stays_and_is_named(results):
     assert missing.endswith("worth.csv")
 
 
+def test_agreement_of_flights_stands_beside_f(tmp_path, monkeypatch):
+    flights = {"flight": ["noisy_one", "rank correlation with f"], "f": [0.5, np.nan]}
+    figures = ("share_matched", "depth_rms_m", "accumulation_rms_m_we", "share_same_year", "offset")
+    table = pd.DataFrame(flights | {name: [0.25, -0.5] for name in figures})
+    (tmp_path / "benchmarks").mkdir()
+    table.to_csv(tmp_path / "benchmarks/agreement_by_flight.csv", index=False)
+    monkeypatch.setattr(fill_tables, "ROOT", tmp_path)
+    filled, _ = fill_tables.filled("<!-- agreement -->\n<!-- /agreement -->\n", tmp_path)
+    assert "| noisy one | 0.500 | 0.250 | 0.250 | 0.250 | 0.250 | 0.25 |\n" in filled
+    assert "| rank correlation with f |  | -0.500 | -0.500 | -0.500 | -0.500 | -0.50 |\n" in filled
+
+
 def test_a_place_that_is_not_closed_or_of_no_table_is_refused(results):
     for page in ("<!-- results -->\nnever closed\n", "<!-- other -->\n<!-- /other -->\n"):
         with refusal("expected the name of a table"):

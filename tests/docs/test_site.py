@@ -8,6 +8,7 @@ from processes import ROOT, run_in
 
 PUBLIC = (
     "snowsim.score_folders",
+    "snowsim.agreement",
     "snowsim.simulate",
     "snowsim.scenes",
     "snowsim.statistics.fit",

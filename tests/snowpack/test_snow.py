@@ -72,6 +72,7 @@ def test_every_year_has_the_mass_between_its_horizons(year_m):
     assert_allclose(found["depth_m"], 1000 * water_m[:-1] / DENSITY, rtol=1e-9)
     assert_allclose(found["thickness_m"], 1000 * year_m[1:] / DENSITY, rtol=1e-9)
     assert_allclose(found["open_m_we"], year_m[0], rtol=1e-9)
+    assert_array_equal(found["layer_year"], [np.nan, *(2011 - np.arange(11))])
     # A picture of the layers goes as far.
     assert_allclose(found["depth_at"][-1], 1.1 * 1000 * water_m.max() / DENSITY, rtol=1e-9)
     # Of errors of two picks and of density over the refractive index, for nine of ten: 5 % of the
