@@ -1,4 +1,18 @@
-# The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
+# The layer tracker on real data and on three augmented sets, and its edge scores: Table III. Each set is trained with its own
+# best number of gradients and, for comparison, with the largest of these.
+
+N_GRADIENTS = TRACKER["n_gradients"]
+MOST_GRADIENTS = max(N_GRADIENTS[name] for name in TRAINING_SETS)
+# Names of the trainings of each set with the most gradients.
+EQUAL_SETS = {
+    name: name if N_GRADIENTS[name] == MOST_GRADIENTS else f"{name}_equal" for name in TRAINING_SETS
+}
+
+
+def with_gradients(n_gradients):
+    """Settings of the trackers' trainings with a number of gradients; that of the recipe if None."""
+    settings = TRACKER["training"]
+    return settings if n_gradients is None else settings | {"n_steps": n_gradients}
 
 
 rule train_tracker:
@@ -27,7 +41,7 @@ rule train_tracker:
         device=TRACKER["device"],
         n_epochs=TRACKER["n_epochs"],
         data={"added_per_real": TRACKER["added_per_real"]},
-        settings=TRACKER["training"],
+        settings=lambda w: with_gradients(N_GRADIENTS.get(w.training_set)),
         checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_tracker/{{training_set}}/{{replica}}",
@@ -35,6 +49,22 @@ rule train_tracker:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
         str(ROOT / "workflow/scripts/train_tracker.py")
+
+
+use rule train_tracker as train_equal with:
+    output:
+        network="results/tracker/{training_set}_equal/{replica}.safetensors",
+        losses="results/tracker/{training_set}_equal/{replica}_losses.csv",
+    log:
+        "logs/train_equal/{training_set}/{replica}.log",
+    benchmark:
+        "results/benchmarks/train_equal/{training_set}/{replica}.tsv"
+    params:
+        settings=with_gradients(MOST_GRADIENTS),
+        checkpoint=f"{CHECKPOINTS}/train_equal_{{training_set}}_{{replica}}.safetensors",
+        events=f"{EVENTS}/train_equal/{{training_set}}/{{replica}}",
+    message:
+        "tracker on {wildcards.training_set} with as many gradients as any, replica {wildcards.replica}"
 
 
 rule score_tracker:
@@ -94,6 +124,29 @@ rule tabulate_trackers:
         "../scripts/tabulate_trackers.py"
 
 
+rule tabulate_equal:
+    input:
+        counts=[
+            f"results/tracker/{name}/{replica}_counts.parquet"
+            for name in EQUAL_SETS.values()
+            for replica in SEEDS
+        ],
+    output:
+        table3="results/tables/table3_equal.csv",
+    log:
+        "logs/tabulate_equal.log",
+    benchmark:
+        "results/benchmarks/tabulate_equal/all.tsv"
+    params:
+        seed=config["seed"],
+        n_bootstrap=TRACKER["n_bootstrap"],
+        training_sets=list(EQUAL_SETS),
+    message:
+        "Table III with equal gradients"
+    script:
+        "../scripts/tabulate_equal.py"
+
+
 # Trackers of someone's own, functions of an image.
 if OWN_TRACKERS:
 
@@ -122,6 +175,8 @@ if OWN_TRACKERS:
 rule trackers:
     input:
         rules.tabulate_trackers.output,
+        # With epochs, numbers of gradients follow from the sets' sizes.
+        rules.tabulate_equal.output if TRACKER["n_epochs"] is None else [],
         expand("results/tables/own_{tracker}.csv", tracker=OWN_TRACKERS),
     message:
         "Table III, errors of picks"
