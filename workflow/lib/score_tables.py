@@ -89,8 +89,9 @@ def tracker_intervals(
 
     `counts` maps (training set, output) to a list over replicas of lists over images of count
     dicts; images always have the same order. Intervals are the 2.5 and 97.5 percentiles of a paired
-    bootstrap: images and replicas are drawn `n_bootstrap` times with replacement, the same ones for
-    every training set. Scores have the `NAMES` of their grid of thresholds. Columns are `output,
+    bootstrap: images are drawn `n_bootstrap` times with replacement, the same ones for every
+    training set. They are intervals over images alone: of two trainings, draws would tell too
+    little. Scores have the `NAMES` of their grid of thresholds. Columns are `output,
     training_set, metric, mean, low, high, difference, difference_low, difference_high, n_replicas,
     n_images, n_without_truth`. How images without truth count is said at
     `snowsim.metrics.edges.score`.
@@ -99,10 +100,7 @@ def tracker_intervals(
     n_replicas = len(first)
     n_images = len(first[0])
     n_without_truth = score(first[0])["n_without_truth"]
-    draws = [
-        (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images))
-        for _ in range(n_bootstrap)
-    ]
+    draws = [rng.integers(n_images, size=n_images) for _ in range(n_bootstrap)]
     scored = partial(score, as_published=grid == "published")
     tables = []
     for output, training_set in product(outputs, training_sets):
@@ -140,7 +138,5 @@ def _means(replicas, scored, images=slice(None)):
 
 
 def _resampled(replicas, draws, scored):
-    """Means as from `_means` for each draw of replicas and images, (draw, metric)."""
-    return np.array(
-        [_means([replicas[i] for i in drawn], scored, images) for drawn, images in draws]
-    )
+    """Means as from `_means` for each draw of images, (draw, metric)."""
+    return np.array([_means(replicas, scored, images) for images in draws])
