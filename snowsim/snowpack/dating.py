@@ -20,7 +20,9 @@ TYPICAL_OVER_SPAN = (0.3, 2.5)
 MOST_CRUSTS_IN_A_ROW = 6  # unless layers are named, which may ask for more
 # Grid points less probable than this, relative to the most probable one, are left out.
 NEGLIGIBLE_POINT = 1e-4
-NEGLIGIBLE_LOG_STEP = -45.0  # logarithm of a step's probability, below which it is left out
+NEGLIGIBLE_NAMED_POINT = 1e-15  # the same, if the age of a layer is known
+NEGLIGIBLE_STEP = 1e-16  # numbers of years between two picks that are less probable are left out
+NEGLIGIBLE_AGE = 1e-20  # the same of ages, relative to a pick's most probable one
 
 
 @dataclass(frozen=True)
@@ -102,6 +104,26 @@ class Series:
 
 
 @dataclass(frozen=True, eq=False)
+class Spans:
+    """Years between horizons that have no picked horizon between them, (span,).
+
+    Attributes
+    ----------
+    upper, lower : ndarray of int
+        Picks at both ends; -1 is the surface.
+    years : ndarray
+        Number of years; below the surface it includes the part of a year since the last autumn.
+    probability : ndarray
+        Probability that both picks are horizons, so many years apart, and none between them is one.
+    """
+
+    upper: np.ndarray
+    lower: np.ndarray
+    years: np.ndarray
+    probability: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Posterior:
     """Probabilities of the ages of picks, and of the mass of a typical year.
 
@@ -109,10 +131,8 @@ class Posterior:
     ----------
     age : ndarray, (pick, age)
         Probability that the pick is the horizon of that age, in years before the last autumn.
-    spans : list of tuple
-        (upper, lower, years, probability): the probability that two picks are horizons, so many
-        years apart, without a picked horizon between them. At the surface `upper` is -1, and
-        `years` include the part of a year since the last autumn.
+    spans : Spans
+        Probabilities of the years between horizons.
     mass_m, weight : ndarray, (point,)
         Mass of a typical year [m w.e.], and its probability.
     scatter : float
@@ -120,7 +140,7 @@ class Posterior:
     """
 
     age: np.ndarray
-    spans: list
+    spans: Spans
     mass_m: np.ndarray
     weight: np.ndarray
     scatter: float
@@ -146,20 +166,78 @@ class Posterior:
 class _Grid:
     """All combinations of the unknown properties of a place and their prior weights, (point,).
 
-    Masses are in units of `unit_m`, the median span, so that densities are near 1.
+    Masses are in units of `unit_m`, the median span, so that densities are near 1. The density of a
+    year's mass is computed for every pair of mass and scatter, `pair_mass` and `pair_scatter`
+    (pair,), and `pair` has the number of each point's.
     """
 
     unit_m: float
-    mass: np.ndarray
-    scatter: np.ndarray
+    pair_mass: np.ndarray
+    pair_scatter: np.ndarray
+    pair: np.ndarray
     missed: np.ndarray
     crusts: np.ndarray
     weight: np.ndarray
 
+    @property
+    def mass(self):
+        """Mass of a typical year, (point,)."""
+        return self.pair_mass[self.pair]
+
+    @property
+    def scatter(self):
+        """Standard deviation of the logarithm of a year's mass, (point,)."""
+        return self.pair_scatter[self.pair]
+
     def subset(self, kept):
         """The grid of some of the points."""
-        arrays = ("mass", "scatter", "missed", "crusts", "weight")
+        arrays = ("pair", "missed", "crusts", "weight")
         return replace(self, **{name: getattr(self, name)[kept] for name in arrays})
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums over all ages, as logarithms: known ages only bound the years between two picks.
+
+    Without a known age, or with that of the first pick alone, sums are exact; else they are too
+    large.
+
+    Attributes
+    ----------
+    years : dict of (int, int) to ndarray
+        Possible numbers of years from one horizon to the next, by pair of picks.
+    gaps : ndarray, (n, point)
+        Probability of so many years without a pick between two horizons.
+    ends : ndarray, (pick, point)
+        Probability that all picks below a horizon are crusts.
+    log_steps : dict of (int, int) to ndarray, (point,)
+        Probability of any of these numbers of years.
+    log_above : ndarray, (pick, point)
+        Probability of a horizon and all picks above it.
+    log_weight : ndarray, (point,)
+        Probability of all picks.
+    """
+
+    years: dict
+    gaps: np.ndarray
+    ends: np.ndarray
+    log_steps: dict
+    log_above: np.ndarray
+    log_weight: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    """What a recursion over ages needs: probabilities at the points of a `grid`.
+
+    They are `starts` (pick, age, point), the numbers of years and their probabilities (n, point)
+    `steps` by pair of picks, and `ends` (pick, point).
+    """
+
+    grid: _Grid
+    starts: np.ndarray
+    steps: dict
+    ends: np.ndarray
 
 
 def posterior(series, rates=TRACKED, expected_m=None, expected_error=0.3):
@@ -177,43 +255,44 @@ def posterior(series, rates=TRACKED, expected_m=None, expected_error=0.3):
     a layer is known. `expected_m` is the median of a lognormal prior of m, with the scatter
     `expected_error`; without it the prior is flat in the logarithm of m.
     """
-    grid = _grid(series, rates, expected_m, expected_error)
     # Ages count from that of the first pick, if it is known, so that the arrays stay small.
     offset = series.known.get(0, 0)
     known = {pick: age - offset for pick, age in series.known.items()}
-    starts = _starts(series, grid, rates, known)
-    steps = _steps(series, grid, known, starts.shape[1])
-    ends = _ends(series, grid, known)
-    if not known:  # most points are improbable, which sums over ages find at less cost
-        kept = _is_probable(starts, steps, ends)
-        grid = grid.subset(kept)
-        n_ages = _n_ages(series, grid, known)
-        starts, ends = starts[:, :n_ages, kept], ends[:, kept]
-        steps = _restrict_steps(steps, n_ages, kept)
-    forward, log_forward = _forward(starts, steps, known)
-    backward, log_backward = _backward(ends, steps, known, forward.shape[1])
-    last = np.einsum("kag,kg->k", forward, ends)
-    with np.errstate(divide="ignore"):
-        total = np.logaddexp.reduce(log_forward + np.log(last))
-    if not np.isfinite(total):
+    grid = _grid(series, rates, expected_m, expected_error)
+    sums = _sums(series, grid, rates, known)
+    log_total = sums.log_weight.max()
+    if max(known, default=0) > 0 and np.isfinite(log_total):
+        # Sums over all ages are too large: those of the known ages, at the likeliest points alone,
+        # are a limit from below.
+        parts = _parts(series, grid, rates, known, sums, log_total, NEGLIGIBLE_POINT)
+        log_total = _log_total(*_forward(parts, known)[:2], parts.ends)
+    negligible = NEGLIGIBLE_NAMED_POINT if known else NEGLIGIBLE_POINT
+    parts = _parts(series, grid, rates, known, sums, log_total, negligible)
+    forward, log_forward, n_ages = _forward(parts, known)
+    log_total = _log_total(forward, log_forward, parts.ends)
+    if not np.isfinite(log_total):
         msg = "year: no number of years between the named layers fits the layers between them"
         raise ValueError(msg)
-    scale = np.exp(log_forward + log_backward - total)
-    age = scale[:, None] * np.einsum("kag,kag->ka", forward, backward)
-    weight = np.einsum("k,kag,kg->g", np.exp(log_forward - total), forward, ends)
-    first = np.einsum("kag,kag->ka", starts, backward) * np.exp(log_backward - total)[:, None]
-    spans = [
-        (-1, pick, series.elapsed + offset + years, probability)
-        for (pick, years), probability in np.ndenumerate(first)
-        if probability > 0
-    ]
-    for (upper, lower), (years, probabilities) in steps.items():
-        both = np.exp(log_forward[upper] + log_backward[lower] - total)
-        for n, own in zip(years, probabilities, strict=True):
-            sums = np.einsum("ag,ag->g", forward[upper, : age.shape[1] - n], backward[lower, n:])
-            spans.append((upper, lower, int(n), both * (sums @ own)))
-    age = np.pad(age, [(0, 0), (offset, 0)])
+    backward, log_backward = _backward(parts, known, n_ages)
+    log_backward -= log_total
+    age = np.einsum("k,kag,kag->ka", np.exp(log_forward + log_backward), forward, backward)
+    age = np.pad(age, [(0, 0), (offset, len(sums.gaps) - age.shape[1])])
+    weight = np.einsum("k,kag,kg->g", np.exp(log_forward - log_total), forward, parts.ends)
+    begun = series.elapsed + offset
+    spans = _spans(parts, forward, backward, log_forward, log_backward, n_ages, begun)
+    grid = parts.grid
     return Posterior(age, spans, grid.mass * grid.unit_m, weight, float(weight @ grid.scatter))
+
+
+def typical_mass(series, rates=TRACKED, expected_m=None, expected_error=0.3):
+    """`Posterior.typical_m` [m w.e.], at less cost if no layer below the first has a known age."""
+    if max(series.known, default=0) > 0:
+        return posterior(series, rates, expected_m, expected_error).typical_m
+    grid = _grid(series, rates, expected_m, expected_error)
+    log_weight = _sums(series, grid, rates, {pick: 0 for pick in series.known}).log_weight
+    weight = np.exp(log_weight - log_weight.max())
+    negligible = NEGLIGIBLE_NAMED_POINT if series.known else NEGLIGIBLE_POINT
+    return quantile(grid.mass * grid.unit_m, np.where(weight > negligible, weight, 0), 0.5)
 
 
 def _grid(series, rates, expected_m, expected_error):
@@ -226,37 +305,19 @@ def _grid(series, rates, expected_m, expected_error):
         low = min(low, expected_m / unit_m * np.exp(-2 * expected_error))
         high = max(high, expected_m / unit_m * np.exp(2 * expected_error))
     masses = np.geomspace(low, high, N_MASSES)
-    values = np.meshgrid(masses, rates.scatter, rates.missed, rates.crusts, indexing="ij")
-    mass, scatter, missed, crusts = (value.ravel() for value in values)
+    pairs = np.meshgrid(masses, rates.scatter, indexing="ij")
+    pair_mass, pair_scatter = (value.ravel() for value in pairs)
+    numbers = np.arange(pair_mass.size)
+    values = np.meshgrid(numbers, rates.missed, rates.crusts, indexing="ij")
+    pair, missed, crusts = (value.ravel() for value in values)
+    mass, scatter = pair_mass[pair], pair_scatter[pair]
     # A horizon is missed, too, if its year is thinner than the tracker separates.
     deviation = np.log(mass * unit_m / max(series.separable_m, 1e-9)) / scatter
     missed = 1 - (1 - missed) * np.clip(ndtr(deviation), 0.01, 1)
     weight = np.ones(mass.size)
     if expected_m is not None:
         weight = np.exp(-(np.log(mass * unit_m / expected_m) ** 2) / (2 * expected_error**2))
-    return _Grid(unit_m, mass, scatter, missed, crusts, weight / weight.sum())
-
-
-def _restrict_steps(steps, n_ages, kept):
-    """Steps of fewer than `n_ages` years, at some points of the grid, as `_steps` has them."""
-    return {
-        pair: (years[years < n_ages], probabilities[years < n_ages][:, kept])
-        for pair, (years, probabilities) in steps.items()
-    }
-
-
-def _is_probable(starts, steps, ends):
-    """Points of the grid that are not negligible, bool (point,), by sums over all ages."""
-    with np.errstate(divide="ignore"):
-        log = np.log(starts.sum(axis=1))
-        log_sum = log[0] + np.log(ends[0])
-        for lower in range(1, len(log)):
-            for upper in range(lower):
-                if (upper, lower) in steps:
-                    step = np.log(steps[upper, lower][1].sum(axis=0))
-                    log[lower] = np.logaddexp(log[lower], log[upper] + step)
-            log_sum = np.logaddexp(log_sum, log[lower] + np.log(ends[lower]))
-    return log_sum > log_sum.max() + np.log(NEGLIGIBLE_POINT)
+    return _Grid(unit_m, pair_mass, pair_scatter, pair, missed, crusts, weight / weight.sum())
 
 
 def _n_ages(series, grid, known):
@@ -265,85 +326,145 @@ def _n_ages(series, grid, known):
     return 2 + int(1.1 * max([deepest, *known.values()]))
 
 
-def _log_lognormal(ratio, variance):
-    """Logarithm of the density of a lognormal mass over its median, by its logarithm."""
-    return -(np.log(ratio) ** 2 / variance + np.log(2 * np.pi * variance)) / 2
-
-
-def _log_crusts(grid, n_crusts, years):
-    """Log-probability that so many picks are crusts of so many years."""
-    return n_crusts * np.log(grid.crusts / grid.mass) - grid.crusts * years
-
-
-def _starts(series, grid, rates, known):
-    """Probability that a pick is the first horizon and has an age, (pick, age, point)."""
-    n_picks = series.above_m.size
+def _sums(series, grid, rates, known):
+    """`_Sums` at all points of the grid."""
     n_ages = _n_ages(series, grid, known)
-    starts = np.zeros((n_picks, n_ages, grid.mass.size))
-    if 0 in known:
-        starts[0, 0] = grid.weight
+    years = _years(series, grid, known, n_ages)
+    gaps = _gaps(grid, n_ages)
+    with np.errstate(divide="ignore"):
+        log_steps = {}
+        for pair, numbers in years.items():
+            # All points of a pair of mass and scatter lie side by side.
+            of_pair = gaps[numbers].reshape(numbers.size, grid.pair_mass.size, -1)
+            density = _densities(series, grid, pair, numbers[:, None])
+            summed = np.einsum("np,npr->pr", density, of_pair).ravel()
+            log_steps[pair] = np.log(summed * _share_of_crusts(series, grid, pair))
+        ends = _ends(series, grid, known)
+        log_above = np.full(ends.shape, -np.inf)
+        starts = _starts(series, grid, rates, known, n_ages)
+        log_above[: len(starts)] = np.log(starts.sum(axis=1))
+    # Pairs are in the order of their upper pick, to which all sums from above are complete by then.
+    for (upper, lower), log_step in log_steps.items():
+        log_above[lower] = np.logaddexp(log_above[lower], log_above[upper] + log_step)
+    with np.errstate(divide="ignore"):
+        log_weight = np.logaddexp.reduce(log_above + np.log(ends))
+    return _Sums(years, gaps, ends, log_steps, log_above, log_weight)
+
+
+def _parts(series, grid, rates, known, sums, log_total, negligible):
+    """`_Parts` without points and steps that are negligible beside `log_total`.
+
+    `negligible` is the probability of a point that is left out.
+    """
+    # If all are impossible, none is negligible.
+    kept = (sums.log_weight > log_total + np.log(negligible)) | ~np.isfinite(log_total)
+    grid = grid.subset(kept)
+    n_ages = len(sums.gaps) if known else _n_ages(series, grid, known)
+    gaps = sums.gaps[:n_ages, kept]
+    ends = sums.ends[:, kept]
+    with np.errstate(divide="ignore"):
+        log_below = np.log(ends)
+    for (upper, lower), log_step in reversed(sums.log_steps.items()):
+        log_below[upper] = np.logaddexp(log_below[upper], log_step[kept] + log_below[lower])
+    steps = {}
+    with np.errstate(over="ignore", invalid="ignore"):  # steps whose probability overflows are kept
+        for pair, numbers in sums.years.items():
+            upper, lower = pair
+            log_rest = sums.log_above[upper, kept] + log_below[lower] - log_total
+            if np.exp(log_rest + sums.log_steps[pair][kept]).sum() < NEGLIGIBLE_STEP:
+                continue
+            numbers = numbers[numbers < n_ages]
+            density = _densities(series, grid, pair, numbers[:, None])[:, grid.pair]
+            own = density * gaps[numbers] * _share_of_crusts(series, grid, pair)
+            few = own @ np.exp(log_rest) < NEGLIGIBLE_STEP
+            if not few.all():
+                steps[pair] = numbers[~few], own[~few]
+    return _Parts(grid, _starts(series, grid, rates, known, n_ages), steps, ends)
+
+
+def _lognormal(log_ratio, variance):
+    """Density of a lognormal mass over its median, by its logarithm, times that mass."""
+    return np.exp(-(log_ratio**2) / (2 * variance)) / np.sqrt(2 * np.pi * variance)
+
+
+def _gaps(grid, n_ages):
+    """Probability of 0 to `n_ages` - 1 years without a pick between two horizons, (n, point).
+
+    No year lies between two picks of one horizon.
+    """
+    years = np.arange(n_ages)[:, None]
+    one_by_one = (1 - grid.missed) * grid.missed ** np.maximum(years - 1, 0)
+    at_once = np.where(years > 1, 1 / np.maximum(years * (years - 1), 1), 0)
+    gaps = (1 - LOST_ECHO_SHARE) * one_by_one + LOST_ECHO_SHARE * at_once
+    gaps[0] = SAME_HORIZON_PROBABILITY / (1 - SAME_HORIZON_PROBABILITY)
+    return gaps * np.exp(-grid.crusts * years)
+
+
+def _starts(series, grid, rates, known, n_ages):
+    """Probability that a pick is the first horizon and has an age, (pick, age, point).
+
+    Picks end at the last one that may be the first horizon.
+    """
+    crusts = grid.crusts / grid.mass
+    if known:  # a named layer is surer than the snow above the first horizon
+        starts = np.zeros((1 + min(known), n_ages, grid.missed.size))
+        if 0 in known:
+            starts[0, 0] = grid.weight
+        else:
+            picks = np.arange(len(starts))[:, None, None]
+            starts[:] = grid.weight * series.confidence[picks] * crusts**picks
         return starts
+    n_starts = min(series.above_m.size, MOST_CRUSTS_IN_A_ROW + 1)
+    starts = np.empty((n_starts, n_ages, grid.missed.size))
     ages = np.arange(n_ages)[:, None]
     years = np.maximum(series.elapsed + ages, AUTUMN_SCATTER_YEARS)
-    if known:  # a named layer is surer than the snow above the first horizon
-        for pick in range(1 + min(known)):
-            log = np.log(series.confidence[pick]) + _log_crusts(grid, pick, 0)
-            starts[pick] = grid.weight * np.exp(log)
-        return starts
-    for pick in range(min(n_picks, MOST_CRUSTS_IN_A_ROW + 1)):
+    by_age = grid.weight * rates.hidden**ages * np.exp(-grid.crusts * years)
+    for pick in range(n_starts):
         mass = series.above_m[pick] / grid.unit_m
         error = series.error_m[pick] / series.above_m[pick]
-        variance = grid.scatter**2 / years + (AUTUMN_SCATTER_YEARS / years) ** 2 + error**2
-        log = _log_lognormal(mass / (years * grid.mass), variance) - np.log(mass)
-        log = log + np.log(series.confidence[pick]) + ages * np.log(rates.hidden)
-        log = log + _log_crusts(grid, pick, years)
-        starts[pick] = grid.weight * np.exp(log)
+        variance = grid.pair_scatter**2 / years + (AUTUMN_SCATTER_YEARS / years) ** 2 + error**2
+        density = _lognormal(np.log(mass / years) - np.log(grid.pair_mass), variance) / mass
+        starts[pick] = density[:, grid.pair] * by_age * (series.confidence[pick] * crusts**pick)
     return starts
 
 
-def _steps(series, grid, known, n_ages):
-    """Numbers of years from one horizon to the next, and their probabilities, by pair of picks.
-
-    Each value has the numbers (n,), below `n_ages`, and the probabilities (n, point).
-    """
+def _years(series, grid, known, n_ages):
+    """Possible numbers of years, below `n_ages`, from one horizon to the next, by pair of picks."""
     n_picks = series.above_m.size
     skipped = n_picks if known else MOST_CRUSTS_IN_A_ROW
-    steps = {}
+    years = {}
     for upper in range(n_picks):
         for lower in range(upper + 1, min(n_picks, upper + skipped + 2)):
             if {*range(upper + 1, lower)} & {*known}:
                 break
             mass = series.span_m[upper, lower] / grid.unit_m
             most = 3 + int(2 * max(mass, 0) / grid.mass.min())
-            years = np.arange(0 if series.disjoint[upper, lower] else 1, min(most, n_ages))
+            numbers = np.arange(0 if series.disjoint[upper, lower] else 1, min(most, n_ages))
             if upper in known and lower in known:
-                years = np.array([known[lower] - known[upper]])
-            log = _log_years(series, grid, upper, lower, years[:, None])
-            log = log + _log_crusts(grid, lower - upper - 1, years[:, None])
-            log = log + np.log(series.confidence[lower])
-            kept = (log.max(axis=1) > NEGLIGIBLE_LOG_STEP) | bool(known)
-            if kept.any():
-                steps[upper, lower] = years[kept], np.exp(log[kept])
-    return steps
+                numbers = np.array([known[lower] - known[upper]])
+            years[upper, lower] = numbers
+    return years
 
 
-def _log_years(series, grid, upper, lower, years):
-    """Log-probability of numbers of years (n, 1) between two horizons, (n, point)."""
-    mass = series.span_m[upper, lower] / grid.unit_m
-    one_by_one = (1 - grid.missed) * grid.missed ** (np.maximum(years, 1) - 1)
-    at_once = np.where(years > 1, 1 / np.maximum(years * (years - 1), 1), 0)
-    gap = np.log((1 - LOST_ECHO_SHARE) * one_by_one + LOST_ECHO_SHARE * at_once)
-    if series.disjoint[upper, lower]:
-        variance = years * grid.scatter**2 + DISJOINT_SCATTER_YEARS**2
-        deviation = mass / grid.mass - years
-        log = -(deviation**2 / variance + np.log(2 * np.pi * variance)) / 2 - np.log(grid.mass)
-        same, other = np.log(SAME_HORIZON_PROBABILITY), np.log1p(-SAME_HORIZON_PROBABILITY)
-        return log + np.where(years == 0, same, other + gap)
-    error = np.hypot(*series.error_m[[upper, lower]]) / series.span_m[upper, lower]
+def _share_of_crusts(series, grid, pair):
+    """Probability of the crusts between two horizons and of a layer at the lower one, (point,)."""
+    upper, lower = pair
+    share = series.confidence[lower] * (grid.crusts / grid.mass) ** (lower - upper - 1)
+    return share * (1 - SAME_HORIZON_PROBABILITY) if series.disjoint[pair] else share
+
+
+def _densities(series, grid, pair, years):
+    """Density of the mass between two horizons with numbers of years (n, 1), (n, pair)."""
+    mass = series.span_m[pair] / grid.unit_m
+    if series.disjoint[pair]:
+        variance = years * grid.pair_scatter**2 + DISJOINT_SCATTER_YEARS**2
+        deviation = mass / grid.pair_mass - years
+        return _lognormal(deviation, variance) / grid.pair_mass
+    error = np.hypot(*series.error_m[[*pair]]) / series.span_m[pair]
     # A person may have named the wrong layer, so that masses between names scatter more.
-    scatter = NAMED_SCATTER if {upper, lower} <= {*series.known} else grid.scatter
+    scatter = NAMED_SCATTER if {*pair} <= {*series.known} else grid.pair_scatter
     variance = scatter**2 / years + error**2
-    return _log_lognormal(mass / (years * grid.mass), variance) - np.log(mass) + gap
+    return _lognormal(np.log(mass / years) - np.log(grid.pair_mass), variance) / mass
 
 
 def _ends(series, grid, known):
@@ -353,16 +474,21 @@ def _ends(series, grid, known):
     horizons, no more than `MOST_CRUSTS_IN_A_ROW` picks are crusts, unless layers are named.
     """
     n_picks = series.above_m.size
-    ends = np.zeros((n_picks, grid.mass.size))
+    ends = np.zeros((n_picks, grid.missed.size))
     first = max(0, *known) if known else max(0, n_picks - 1 - MOST_CRUSTS_IN_A_ROW)
+    masses = np.maximum(series.span_m[:, -1], 0) / grid.unit_m
+    masses[-1] = 0
+    n_years = 1 + (2 * masses / grid.mass.min()).astype(int)
+    years = 1 + np.arange(n_years[first:].max())[:, None]
+    missed = grid.missed ** np.append([[0]], years, axis=0)
     for pick in range(first, n_picks):
-        mass = max(series.span_m[pick, -1], 0) / grid.unit_m if pick < n_picks - 1 else 0
-        years = 1 + np.arange(1 + int(2 * mass / grid.mass.min()))[:, None]
-        missed = (1 - grid.missed) * grid.missed ** (years - 1)
+        mass, n = masses[pick], n_years[pick]
         with np.errstate(divide="ignore"):
-            deviation = np.log(years * grid.mass / mass) * np.sqrt(years) / grid.scatter
-        longer = (missed * ndtr(deviation)).sum(axis=0) + grid.missed ** years[-1]
-        ends[pick] = longer * np.exp(_log_crusts(grid, n_picks - 1 - pick, mass / grid.mass))
+            deviation = (np.log(years[:n] / mass) + np.log(grid.pair_mass)) * np.sqrt(years[:n])
+        longer = ndtr(deviation / grid.pair_scatter)[:, grid.pair]
+        longer = (1 - grid.missed) * (missed[:n] * longer).sum(axis=0) + missed[n]
+        crusts = (grid.crusts / grid.mass) ** (n_picks - 1 - pick)
+        ends[pick] = longer * crusts * np.exp(-grid.crusts * mass / grid.mass)
     return ends
 
 
@@ -382,44 +508,82 @@ def _condition_and_normalise(values, pick, known):
     return 0.0
 
 
-def _forward(starts, steps, known):
+def _forward(parts, known):
     """Probability of a horizon and all picks above it, (pick, age, point), over its largest value.
 
-    The logarithm of that largest value is returned, too, (pick,).
+    The logarithm of that largest value is returned, too, (pick,), and the number of ages that
+    count, (pick,).
     """
-    forward = starts.copy()
-    n_ages = forward.shape[1]
-    scale = np.zeros(len(forward))
-    for lower in range(len(forward)):
+    n_picks = len(parts.ends)
+    forward = np.zeros((n_picks, *parts.starts.shape[1:]))
+    forward[: len(parts.starts)] = parts.starts
+    n_ages = np.full(n_picks, forward.shape[1])
+    scale = np.zeros(n_picks)
+    for lower in range(n_picks):
         before = scale[lower - 1] if lower else 0.0
         forward[lower] *= np.exp(-before)
-        for upper in range(lower):
-            years, probabilities = steps.get((upper, lower), ((), ()))
+        for upper in (each for each in range(lower) if (each, lower) in parts.steps):
+            years, probabilities = parts.steps[upper, lower]
+            probabilities = probabilities * np.exp(scale[upper] - before)
             for n, own in zip(years, probabilities, strict=True):
-                own = own * np.exp(scale[upper] - before)
-                forward[lower, n:] += forward[upper, : n_ages - n] * own
+                to = forward[lower, n : n + n_ages[upper]]
+                to += forward[upper, : len(to)] * own
         scale[lower] = before + _condition_and_normalise(forward[lower], lower, known)
-    return forward, scale
+        # What lies below changes the odds of two ages only if a known age is there.
+        if lower >= max(known, default=0):
+            counts = forward[lower] > NEGLIGIBLE_AGE * forward[lower].max(axis=0)
+            n_ages[lower] = 1 + max(np.flatnonzero(counts.any(axis=1)), default=0)
+    return forward, scale, n_ages
 
 
-def _backward(ends, steps, known, n_ages):
+def _backward(parts, known, n_ages):
     """Probability of all picks below a horizon, (pick, age, point), over its largest value.
 
-    The logarithm of that largest value is returned, too, (pick,).
+    The logarithm of that largest value is returned, too, (pick,). Of a pick, `n_ages` (pick,) ages
+    count.
     """
-    backward = np.repeat(ends[:, None], n_ages, axis=1)
-    n_picks = len(ends)
+    n_picks = len(parts.ends)
+    backward = np.repeat(parts.ends[:, None], parts.starts.shape[1], axis=1)
     scale = np.zeros(n_picks)
     for upper in range(n_picks - 1, -1, -1):
         before = scale[upper + 1] if upper < n_picks - 1 else 0.0
         backward[upper] *= np.exp(-before)
-        for lower in range(upper + 1, n_picks):
-            years, probabilities = steps.get((upper, lower), ((), ()))
+        for lower in (each for each in range(upper, n_picks) if (upper, each) in parts.steps):
+            years, probabilities = parts.steps[upper, lower]
+            probabilities = probabilities * np.exp(scale[lower] - before)
             for n, own in zip(years, probabilities, strict=True):
-                own = own * np.exp(scale[lower] - before)
-                backward[upper, : n_ages - n] += backward[lower, n:] * own
+                of = backward[lower, n : n + n_ages[upper]]
+                backward[upper, : len(of)] += of * own
         scale[upper] = before + _condition_and_normalise(backward[upper], upper, known)
     return backward, scale
+
+
+def _log_total(forward, log_forward, ends):
+    """Logarithm of the probability of all sequences."""
+    with np.errstate(divide="ignore"):
+        last = np.log(np.einsum("kag,kg->k", forward, ends))
+    return np.logaddexp.reduce(log_forward + last)
+
+
+def _spans(parts, forward, backward, log_forward, log_backward, n_ages, begun):
+    """`Spans` of a recursion over ages.
+
+    `begun` is the number of years above a horizon of age 0.
+    """
+    n_starts = len(parts.starts)
+    first = np.einsum("kag,kag->ka", parts.starts, backward[:n_starts])
+    first *= np.exp(log_backward[:n_starts, None])
+    lower, ages = np.nonzero(first)
+    found = [(np.full(lower.size, -1), lower, begun + ages, first[lower, ages])]
+    for (upper, lower), (years, probabilities) in parts.steps.items():
+        both = np.exp(log_forward[upper] + log_backward[lower])
+        probability = np.empty(years.size)
+        for number, (n, own) in enumerate(zip(years, probabilities, strict=True)):
+            below = backward[lower, n : n + n_ages[upper]]
+            summed = np.einsum("ag,ag->g", forward[upper, : len(below)], below)
+            probability[number] = both * (summed @ own)
+        found.append((np.full(years.size, upper), np.full(years.size, lower), years, probability))
+    return Spans(*(np.concatenate(values) for values in zip(*found, strict=True)))
 
 
 def quantile(values, weights, share):
@@ -439,17 +603,16 @@ def stated_ages(posterior, disjoint):
     crust = 1 - posterior.age.sum(axis=1)
     best = np.full((n_picks, n_ages), -np.inf)
     came = np.full((n_picks, n_ages), -1)
+    # Most right ages down to a horizon at most as old, less the crusts above it.
+    reached = np.full((n_picks, n_ages + 1), -np.inf)
+    above = np.append(0, np.cumsum(crust))
     for lower in range(n_picks):
-        so_far = np.full(n_ages, crust[:lower].sum())
-        for upper in range(lower):
-            reached = np.maximum.accumulate(best[upper])
-            if not disjoint[upper, lower]:
-                reached = np.append(-np.inf, reached[:-1])
-            reached = reached + crust[upper + 1 : lower].sum()
-            came[lower][reached > so_far] = upper
-            so_far = np.maximum(so_far, reached)
-        best[lower] = so_far + posterior.age[lower]
-    after = np.append(np.cumsum(crust[::-1])[::-1], 0)[1:]
+        same = np.where(disjoint[:lower, lower, None], reached[:lower, 1:], reached[:lower, :-1])
+        ways = np.vstack([np.zeros(n_ages), same]) + above[lower]
+        came[lower] = ways.argmax(axis=0) - 1
+        best[lower] = ways.max(axis=0) + posterior.age[lower]
+        reached[lower, 1:] = np.maximum.accumulate(best[lower]) - above[lower + 1]
+    after = above[-1] - above[1:]
     ages = np.full(n_picks, -1)
     pick = int((best.max(axis=1) + after).argmax())
     age = int(best[pick].argmax())

@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from snowsim.snowpack.dating import (
     posterior,
     quantile,
     stated_ages,
+    typical_mass,
 )
 
 YEAR_DAYS = 366
@@ -78,17 +80,30 @@ class Dated:
         """
         top_m, base_m = self.above_m[[upper - 1, lower - 1]]
         stated = (base_m - top_m) / (self.age[lower] - self.age[upper])
-        yearly_m, weights = [], []
-        for above, below, years, probability in self.posterior.spans:
-            begin_m = self.above_m[above] if above >= 0 else 0.0
-            within_m = min(base_m, self.above_m[below]) - max(top_m, begin_m)
-            if within_m > 0 and years > 0:
-                yearly_m.append((self.above_m[below] - begin_m) / years)
-                weights.append(probability * within_m)
-        if not yearly_m:  # medians over different parts of the track are in another order
+        yearly_m, probability, begin_m, end_m = self._masses_of_spans
+        within_m = np.minimum(base_m, end_m) - np.maximum(top_m, begin_m)
+        inside = within_m > 0
+        if not inside.any():  # medians over different parts of the track are in another order
             return [1.0, 1.0]
-        yearly_m, weights = np.array(yearly_m), np.array(weights)
-        return [quantile(yearly_m, weights, share) / stated for share in NINE_IN_TEN_QUANTILES]
+        weights = probability[inside] * within_m[inside]
+        of_share = [quantile(yearly_m[inside], weights, share) for share in NINE_IN_TEN_QUANTILES]
+        return [mass / stated for mass in of_share]
+
+    @cached_property
+    def _masses_of_spans(self):
+        """Mass of a year of each span, its probability, and the mass above its ends [m w.e.]."""
+        spans = self.posterior.spans
+        begin_m = np.append(self.above_m, 0.0)[spans.upper]  # the last, number -1, is the surface
+        end_m = self.above_m[spans.lower]
+        dated = spans.years > 0
+        yearly_m = (end_m - begin_m)[dated] / spans.years[dated]
+        return yearly_m, spans.probability[dated], begin_m[dated], end_m[dated]
+
+
+def typical_mass_of_layers(water_m, picks, year, annual, expected, separable_m):
+    """`Dated.typical_m` [m w.e.] of what `date_layers` takes, without the dates."""
+    series, _ = _checked_series(water_m, picks, year, annual, expected, separable_m)
+    return typical_mass(series, ANNUAL if annual else TRACKED, *expected)
 
 
 def date_layers(water_m, picks, year, annual, expected, separable_m):
@@ -97,22 +112,9 @@ def date_layers(water_m, picks, year, annual, expected, separable_m):
     The tracker separates layers with at least `separable_m` [m w.e.] between them.
     """
     last_autumn = picks.flown.year - 1
-    by_name = year if hasattr(year, "items") else {str(picks.names[1]): year}
-    given = years_by_layer(picks, {} if year is None else by_name)
-    known = {layer - 1: last_autumn - given_year for layer, given_year in given.items()}
-    series = replace(median_series(water_m, picks, known), separable_m=separable_m)
-    rates = ANNUAL if annual else TRACKED
-    expected_m, expected_error = expected
-    if len(known) > 1 or expected_m is not None:
-        by_layers_m = posterior(replace(series, known={}), rates).typical_m
-        _check_years(series, by_layers_m, given)
-        if expected_m and abs(np.log(by_layers_m / expected_m)) > np.log(NOTED_FACTOR):
-            warnings.warn(
-                f"expected_m: {expected_m:g} m w.e. a year were expected, by the layers alone a "
-                f"typical year has {by_layers_m:.2g}",
-                stacklevel=3,
-            )
-    found = posterior(series, rates, expected_m, expected_error)
+    series, given = _checked_series(water_m, picks, year, annual, expected, separable_m)
+    known = series.known
+    found = posterior(series, ANNUAL if annual else TRACKED, *expected)
     if annual and given:
         age = last_autumn - consecutive_years(len(picks.names), given)
     elif annual:
@@ -138,6 +140,30 @@ def date_layers(water_m, picks, year, annual, expected, separable_m):
         above_m=series.above_m,
         resolved=resolved,
     )
+
+
+def _checked_series(water_m, picks, year, annual, expected, separable_m):
+    """`Series` of layers, and the years that the user gave, by the number of the layer.
+
+    ValueError if years contradict the snow between their layers; a warning is given if the expected
+    mass does.
+    """
+    by_name = year if hasattr(year, "items") else {str(picks.names[1]): year}
+    given = years_by_layer(picks, {} if year is None else by_name)
+    last_autumn = picks.flown.year - 1
+    known = {layer - 1: last_autumn - given_year for layer, given_year in given.items()}
+    series = replace(median_series(water_m, picks, known), separable_m=separable_m)
+    expected_m, _ = expected
+    if len(known) > 1 or expected_m is not None:
+        by_layers_m = typical_mass(replace(series, known={}), ANNUAL if annual else TRACKED)
+        _check_years(series, by_layers_m, given)
+        if expected_m and abs(np.log(by_layers_m / expected_m)) > np.log(NOTED_FACTOR):
+            warnings.warn(
+                f"expected_m: {expected_m:g} m w.e. a year were expected, by the layers alone a "
+                f"typical year has {by_layers_m:.2g}",
+                stacklevel=4,
+            )
+    return series, given
 
 
 def only_falling(sure, named):

@@ -7,7 +7,15 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import norm
 
-from snowsim.snowpack.dating import ANNUAL, TRACKED, Series, posterior, stated_ages
+from snowsim.snowpack import dating
+from snowsim.snowpack.dating import (
+    ANNUAL,
+    TRACKED,
+    Series,
+    posterior,
+    stated_ages,
+    typical_mass,
+)
 
 MOST = 14  # years of a step, and age of the first horizon
 
@@ -185,3 +193,18 @@ def test_a_long_series_is_dated_without_underflow():
     found = posterior(series_of(above_m, elapsed=0.5, error=0.0))
     assert (stated_ages(found, np.zeros((150, 150), bool)) == np.arange(150)).all()
     assert (found.age.sum(axis=1) > 0.5).all()
+
+
+@pytest.mark.parametrize("known", [{0: 0}, {2: 3}, {0: 1, 3: 5}])
+def test_what_is_left_out_beside_known_ages_is_negligible(monkeypatch, known):
+    series = series_of(np.cumsum([0.35, 0.27, 0.33, 0.6, 0.2, 0.3, 0.28]), known)
+    # Of twice the mass that layers have alone: their years are sequences of little weight.
+    found = posterior(series, TRACKED, 0.6, 0.1)
+    mass_m = typical_mass(series, TRACKED, 0.6, 0.1)
+    for name in ("NEGLIGIBLE_NAMED_POINT", "NEGLIGIBLE_STEP", "NEGLIGIBLE_AGE"):
+        monkeypatch.setattr(dating, name, 1e-300)
+    whole = posterior(series, TRACKED, 0.6, 0.1)
+    # Some thousand steps and points of less than 1e-15.
+    assert_allclose(found.age, whole.age, atol=1e-12)
+    assert_allclose([found.scatter, mass_m], [whole.scatter, whole.typical_m], rtol=1e-12)
+    assert whole.weight.size > found.weight.size

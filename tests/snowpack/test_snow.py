@@ -1,5 +1,6 @@
 """Depth, age and accumulation of layers whose snow is known: drawn, or that of real cores."""
 
+import functools
 import warnings
 from dataclasses import replace
 from types import SimpleNamespace
@@ -821,22 +822,35 @@ def test_where_every_layer_is_a_year_all_years_of_cores_are_dated_rightly(cores)
     assert rows["flag"].mean() < 0.1
 
 
+@pytest.fixture(scope="module")
+def dates_of(cores):
+    """Function from the picked horizons of every core to their dates, without a year."""
+
+    @functools.cache
+    def dates_of_numbers(numbers):
+        return [
+            dated(core, np.isin(np.arange(core.size + 1), own), year=None, annual=False)
+            for core, own in zip(cores, numbers, strict=True)
+        ]
+
+    return lambda picked: dates_of_numbers(tuple(tuple(np.flatnonzero(own)) for own in picked))
+
+
 @pytest.mark.parametrize(("n_missing", "right"), [(0, 1), (1, 0.95), (2, 0.5)])
-def test_without_a_year_missing_horizons_above_the_first_are_counted(cores, n_missing, right):
+def test_without_a_year_missing_horizons_above_the_first_are_counted(
+    cores, dates_of, n_missing, right
+):
     # Flown half a year after the autumn of 2011; without the newest horizons.
-    picked = [np.arange(core.size + 1) >= n_missing for core in cores]
-    dates = [dated(*each, year=None, annual=False) for each in zip(cores, picked, strict=True)]
+    dates = dates_of([np.arange(core.size + 1) >= n_missing for core in cores])
     first = pd.concat(each.head(1) for each in dates)
     assert (first["off"] == 0).mean() >= right
     assert first["within"].all()
 
 
 @pytest.mark.parametrize(("missing", "least_sure"), [(0, 0.5), (0.2, 0.3)])
-def test_years_of_cores_are_right_as_often_as_they_say(cores, missing, least_sure):
+def test_years_of_cores_are_right_as_often_as_they_say(cores, dates_of, missing, least_sure):
     rng = np.random.default_rng(20)
-    picked = [rng.random(core.size + 1) >= missing for core in cores]
-    dates = [dated(*each, year=None, annual=False) for each in zip(cores, picked, strict=True)]
-    rows = pd.concat(dates)
+    rows = pd.concat(dates_of([rng.random(core.size + 1) >= missing for core in cores]))
     right = rows["off"] == 0
     assert rows["within"].mean() > 0.85
     # 23 cores: the error of the share that is right is about .07.
