@@ -14,7 +14,7 @@ from snowsim.cli import main
 from snowsim.io import open_segment, read_layers, write_image
 from snowsim.io.describe import describe
 from snowsim.tracker import canonical
-from snowsim.tracking import track_files
+from snowsim.tracking import Tracker, track_files
 
 
 @pytest.fixture
@@ -99,9 +99,74 @@ def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lin
     assert track([text, empty, good, tmp_path / "none.mat"]) == 3
     errors = [line for line in lines if line.startswith("error: ")]
     assert len(errors) == 3
-    assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[1]
+    assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[2]
     assert all("\n" not in line for line in lines)
     assert (tmp_path / "out" / f"{good.stem}_layers.nc").is_file()
+
+
+def test_a_bad_frame_leaves_its_segment_in_two_parts(track, tmp_path, rng, lines):
+    echogram, _ = planted(rng, n_lines=600)
+    parts = [slice(200 * n, 200 * n + 200) for n in range(3)]
+    paths = [write_frame(tmp_path, echogram, 1 + n, part) for n, part in enumerate(parts)]
+    paths[1].write_bytes(paths[1].read_bytes()[:20_000])
+    assert track(paths) == 1
+    (error,) = [line for line in lines if line.startswith("error: ")]
+    assert str(paths[1]) in error
+    folder = tmp_path / "out" / "CSARP_layer" / SEGMENT
+    assert not (folder / paths[1].name).exists()
+    first, last = (read_layers(folder / paths[n].name)["layer"].values for n in (0, 2))
+    assert first.tolist() == NAMES
+    # Nobody knows which layer is which beyond the gap.
+    assert last.tolist() == ["surface", *(f"snow_{n}" for n in range(5, 9))]
+
+
+def test_an_interrupt_leaves_the_segments_that_were_finished(
+    track, tmp_path, frame, lines, monkeypatch
+):
+    first = write_frame(tmp_path, frame[0])
+    second = tmp_path / "Data_20120401_02_001.mat"
+    formats.write_mat5(second, content_of(frame[0]))
+    detect = Tracker.detect
+
+    def interrupted(tracker, echogram, where):
+        if where == str(second):
+            raise KeyboardInterrupt
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        track([first, second])
+    assert (tmp_path / f"out/{first.stem}_layers.nc").is_file()
+    assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat").is_file()
+    assert not list((tmp_path / "out").rglob("*20120401_02*"))
+
+
+def test_the_bar_counts_files_and_is_told_range_lines(track, tmp_path, frame):
+    class Bar:
+        n = 0
+        texts = []
+
+        def update(self):
+            self.n += 1
+
+        def set_postfix_str(self, text, refresh):
+            self.texts.append(text)
+
+        def close(self):
+            self.is_closed = True
+
+    bars = []
+
+    def bar(total):
+        bars.append(Bar())
+        assert total == 2
+        return bars[0]
+
+    (tmp_path / f"Data_{SEGMENT}_002.mat").write_text("bad")
+    paths = [write_frame(tmp_path, frame[0]), tmp_path / f"Data_{SEGMENT}_002.mat"]
+    track([*paths, tmp_path / "none.mat"], progress=bar)
+    assert (bars[0].n, bars[0].is_closed) == (2, True)
+    assert all(text.endswith("range lines/s") for text in bars[0].texts)
 
 
 def test_files_that_are_there_stay_unless_by_force(track, tmp_path, frame, lines):
@@ -208,7 +273,7 @@ def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
 ):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
     assert track(paths[:1]) == 0
-    monkeypatch.setattr("snowsim.tracking._load_and_detect", None)  # it is not tracked
+    monkeypatch.setattr("snowsim.tracking.segments._load_and_detect", None)  # it is not tracked
     assert track(paths[1:], force=True) == 1
     assert "track all frames of the segment at once, or to another folder" in lines[-1]
     assert f"found {paths[0].name}" in lines[-1]
@@ -299,7 +364,7 @@ def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
 
 def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, frame, lines, monkeypatch):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
-    monkeypatch.setattr("snowsim.tracking.write_picture", lambda *_: {}["no such axis"])
+    monkeypatch.setattr("snowsim.tracking.segments.write_picture", lambda *_: {}["no such axis"])
     assert track(paths, png=True) == len(paths)
     assert "picks.png: picture: expected layers that can be drawn, found KeyError" in lines[-1]
     for path in paths:

@@ -29,7 +29,7 @@ with job(snakemake) as log:
         folder,
         model=snakemake.params.model,
         say=said.append,
-        progress=lambda paths: progress(paths, "frames"),
+        progress=lambda total: progress(None, "frames", total),
     )
     rows = []
     for frame, echogram in zip(snakemake.params.frames, echograms, strict=True):
