@@ -244,17 +244,22 @@ def _no_room(path, error):
     return None
 
 
-def write_dataset(path, dataset, *, compress=False):
+COMPRESSION = {"zlib": True, "shuffle": True, "complevel": 9}
+
+
+def write_dataset(path, dataset, *, compress=False, encoding=None):
     """Write an xarray dataset as NetCDF-4, whole or not at all.
 
-    Floats keep their type, and no fill value is added. With `compress`, floats are compressed.
+    Floats keep their type, and no fill value is added. `encoding` by name of the variable replaces
+    this. With `compress`, floats are compressed, and what `encoding` names.
     """
+    chosen = encoding or {}
     encoding = {}
     for name, variable in dataset.variables.items():
-        if variable.dtype.kind == "f":
-            encoding[name] = {"_FillValue": None}
+        if variable.dtype.kind == "f" or name in chosen:
+            encoding[name] = chosen.get(name, {"_FillValue": None})
             if compress and variable.ndim:
-                encoding[name] |= {"zlib": True, "shuffle": True, "complevel": 9}
+                encoding[name] = encoding[name] | COMPRESSION
     try:
         with written_whole(path) as aside:
             dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)

@@ -28,9 +28,9 @@ def track_files(
 
     Frames of a segment that follow one another are tracked as one, and the segment is written when
     its last frame was seen. A frame that cannot be tracked is named and left out; layers do not go
-    on over it. Each file gives `NAME_layers.nc`, and each segment the layer files of
-    `snowsim.io.layers`. An image gives `NAME_layers.nc` alone, with rows of the image beside travel
-    times.
+    on over it. Each segment gives `SEGMENT_layers.nc`, with `frame` along slow_time, and the layer
+    files of `snowsim.io.layers`. An image gives `NAME_layers.nc` alone, with rows of the image
+    beside travel times.
 
     Parameters
     ----------
@@ -60,13 +60,14 @@ def track_files(
     ------
     ValueError
         In one line, before anything is tracked: the folder cannot be written to, two files have the
-        same name, or the tracker is damaged.
+        same name, an image has that of a segment, or the tracker is damaged.
     """
     tracker = Tracker.load(shipped_trackers().get(model, model))
     paths = [Path(path) for path in paths]
     _refuse_equal_names(paths)
     output = Output(_writable_folder(folder), png, bin_s, force)
     segments, failed = plan(paths)
+    _refuse_name_of_segment(segments)
     for message in failed:
         say(f"error: {message}")
     n_failed = len(failed)
@@ -96,6 +97,14 @@ def _refuse_equal_names(paths):
             wanted = "files of different names, for their layers are named by them"
             raise refusal(path, "name", wanted, f"{first[path.stem]} too")
         first[path.stem] = path
+
+
+def _refuse_name_of_segment(segments):
+    """Refuse an image whose layers would have the name of a segment's."""
+    names = {files[0].segment for files in segments}
+    for file, *_ in segments:
+        if file.segment is None and file.path.stem in names:
+            raise refusal(file.path, "name", "another than that of a segment", file.path.stem)
 
 
 def _writable_folder(folder):

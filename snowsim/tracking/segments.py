@@ -11,9 +11,12 @@ from snowsim.io import echogram, read_echogram
 from snowsim.io.files import image_format_of, library_errors, noted, refusal, written_together
 from snowsim.io.layers import (
     TOGETHER,
+    join_frames,
     numbers_in_names,
     refuse_existing,
     refuse_other_frames,
+    rounded,
+    with_frame,
     write_layer_files,
     write_layers,
 )
@@ -93,23 +96,23 @@ def track_segment(tracker, files, output, say, advance):
 
 def _refuse_outputs(files, output):
     """Refuse outputs that exist, and a folder that holds layer files of other frames."""
+    folder = output.folder
     if files[0].segment is not None:
-        refuse_other_frames(output.folder, files[0].segment, [file.number for file in files])
-    for file in files:
-        layers = _layers_file(output.folder, file.path)
-        picture = _picture_file(output.folder, file.path)
-        for path in [layers, picture] if output.png else [layers]:
-            beside = output.folder.resolve() == file.path.resolve().parent
-            if path.exists() and beside:
-                wanted = "none beside the input, also with force (give another folder)"
-                raise refusal(path, "file", wanted, "one")
-            if not output.force:
-                refuse_existing(path)
+        refuse_other_frames(folder, files[0].segment, [file.number for file in files])
+    outputs = [layers_file(folder, files[0])]
+    outputs += [_picture_file(folder, file.path) for file in files if output.png]
+    inputs = {file.path.resolve().parent for file in files}
+    for path in outputs:
+        if path.exists() and folder.resolve() in inputs:
+            wanted = "none beside the input, also with force (give another folder)"
+            raise refusal(path, "file", wanted, "one")
+        if not output.force:
+            refuse_existing(path)
 
 
-def _layers_file(folder, path):
-    """File of the layers of an input, beside the layer files of its segment."""
-    return folder / f"{path.stem}_layers.nc"
+def layers_file(folder, file):
+    """File of the layers of a `File` and its whole segment, or of an image."""
+    return folder / f"{file.segment or file.path.stem}_layers.nc"
 
 
 def _picture_file(folder, path):
@@ -156,31 +159,47 @@ def _image_as_echogram(path, bin_s):
 def _link_and_write(tracker, frames, output, say):
     """Link the frames of a segment, or of one image, and write their layers and pictures."""
     folder = output.folder
-    attributes = {TOGETHER: _digest(frames, tracker.card)} if frames[0].segment else {}
+    segment = frames[0].segment
+    path = layers_file(folder, frames[0])
+    found, notes = _linked(tracker, frames, say)
+    if segment is None:
+        written = _with_rows(found[0], output.bin_s)
+    else:
+        attributes = {"day_seg": segment, TOGETHER: _digest(frames, tracker.card)}
+        found = [layers.assign_attrs(attributes) for layers in found]
+        parts, of_times = _one_after_another(found)
+        for note in of_times:
+            say(f"{path}: {note}")
+        notes += of_times
+        written = join_frames(parts)
+    is_picked = written["twtt"].notnull().any("slow_time")
+    is_picked[0] = True
+    written = written.isel(layer=is_picked.values).assign_attrs(notes="; ".join(notes))
+    with written_together():
+        if segment is not None:
+            by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
+            write_layer_files(folder, segment, by_number, force=output.force)
+        write_layers(path, written, force=output.force)
+    n_picks = int(written["twtt"][1:].notnull().sum())
+    say(f"{path}: {written.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
+    # Last, so that a picture that cannot be drawn stops no file.
+    for frame, layers in zip(frames, found, strict=True) if output.png else ():
+        _draw_picks(frame.path, layers, folder, output.bin_s)
+
+
+def _linked(tracker, frames, say):
+    """Layers of the frames of a segment, rounded, a list of datasets; and notes on them."""
     found = []
+    notes = []
     for run in _runs(frames):
         if run[0].gap is not None:
             say(f"{run[0].path}: {run[0].gap}")
         layers_of_run = tracker.pick_together([frame.evidence for frame in run])
         for frame, layers in zip(run, _renumbered(layers_of_run, found), strict=True):
-            notes = [*frame.notes, *([frame.gap] if frame.gap else [])]
-            found.append(layers.assign_attrs(notes="; ".join(notes), **attributes))
-    written = {
-        _layers_file(folder, frame.path): _as_written(frame, layers, output.bin_s)
-        for frame, layers in zip(frames, found, strict=True)
-    }
-    with written_together():
-        for path, layers in written.items():
-            write_layers(path, layers, force=output.force)
-        if frames[0].segment is not None:
-            by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
-            write_layer_files(folder, frames[0].segment, by_number, force=output.force)
-    for path, layers in written.items():
-        n_picks = int(np.isfinite(layers["twtt"].values[1:]).sum())
-        say(f"{path}: {layers.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
-    # Last, so that a picture that cannot be drawn stops no file.
-    for frame, layers in zip(frames, written.values(), strict=True) if output.png else ():
-        _draw_picks(frame.path, layers, folder, output.bin_s)
+            of_frame = [*frame.notes, *([frame.gap] if frame.gap else [])]
+            notes += [f"{frame.path.stem}: {note}" for note in of_frame]
+            found.append(rounded(with_frame(layers, frame.path.stem)))
+    return found, notes
 
 
 def _runs(frames):
@@ -243,17 +262,30 @@ def _renumbered(layers_of_run, before):
     ]
 
 
-def _as_written(frame, layers, bin_s):
-    """Layers dataset of a frame as it is written: without layers that have no pick in it.
+def _one_after_another(found):
+    """Layers of frames in order of time, without range lines before the end of another frame.
 
-    A frame of a segment gets its name as `granule`, an image the rows of its picks.
+    Also a list of notes on these lines. Their layers have no common names with the other's.
     """
-    picked = np.isfinite(layers["twtt"].values).any(axis=1)
-    picked[0] = True
-    layers = layers.isel(layer=picked)
-    if frame.segment is not None:
-        granule = f"{frame.segment}_{frame.number:03d}"
-        return layers.assign_attrs(granule=granule)
+    parts = []
+    notes = []
+    for layers in sorted(found, key=lambda layers: layers["slow_time"].values[0]):
+        if parts:
+            later = layers["slow_time"].values > parts[-1]["slow_time"].values[-1]
+            if not later.all():
+                names = [each["frame"].values[0] for each in (layers, parts[-1])]
+                notes.append(
+                    f"{names[0]}: {(~later).sum()} range lines before the end of {names[1]} are "
+                    "left out here; the layer file of the frame has them"
+                )
+            layers = layers.isel(slow_time=later)
+        if layers.sizes["slow_time"]:
+            parts.append(layers)
+    return parts, notes
+
+
+def _with_rows(layers, bin_s):
+    """Layers of an image with the rows of their picks."""
     rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
     layers = layers.assign(row=rows)
     layers["slow_time"].attrs["comment"] = "invented: a picture holds no times"

@@ -53,7 +53,8 @@ def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
     name, write = WRITERS[kind]
     write(tmp_path / name, content_of(echogram))
     assert track([tmp_path / name]) == 0
-    netcdf = read_layers(tmp_path / "out" / f"{(tmp_path / name).stem}_layers.nc")
+    netcdf = read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc")
+    assert set(netcdf["frame"].values) == {(tmp_path / name).stem}
     assert netcdf["layer"].values.tolist() == NAMES
     error = netcdf["twtt"].values - 3e-6 - planted_layers["twtt"].values
     assert np.nanmax(np.abs(error)) < BIN_S
@@ -77,15 +78,16 @@ def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tm
         error = found["twtt"].values - 3e-6 - layers["twtt"].values[:, part]
         assert np.nanmax(np.abs(error)) < BIN_S
         assert np.isfinite(error).mean() > 0.97
-    written = [tmp_path / "out" / f"{path.stem}_layers.nc" for path in paths]
-    joined = open_segment(written[::-1])
-    assert_array_equal(joined["layer"], NAMES)
-    whole = [read_layers(path) for path in written]
-    for name in ("twtt", "confidence"):
-        assert_array_equal(joined[name], np.hstack([frame[name] for frame in whole]))
+    (written,) = (tmp_path / "out").glob("*.nc")
+    whole = open_segment([written])
+    assert_array_equal(whole["layer"], NAMES)
+    assert_array_equal(whole["frame"], 260 * [paths[0].stem] + 240 * [paths[1].stem])
+    joined = open_segment([folder / path.name for path in paths[::-1]])
+    for name in ("twtt", "quality", "slow_time", "Latitude", "frame"):
+        assert_array_equal(joined[name], whole[name])
     for wrong, message in (
         ([], "files: expected those of its"),
-        (2 * written, "frames that follow one another, found frames overlap in time"),
+        ([written, written], "frames that follow one another, found frames overlap in time"),
     ):
         with refusal(message):
             open_segment(wrong)
@@ -101,7 +103,7 @@ def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lin
     assert len(errors) == 3
     assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[2]
     assert all("\n" not in line for line in lines)
-    assert (tmp_path / "out" / f"{good.stem}_layers.nc").is_file()
+    assert read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc").sizes["slow_time"] == 300
 
 
 def test_a_bad_frame_leaves_its_segment_in_two_parts(track, tmp_path, rng, lines):
@@ -136,7 +138,7 @@ def test_an_interrupt_leaves_the_segments_that_were_finished(
     monkeypatch.setattr(Tracker, "detect", interrupted)
     with pytest.raises(KeyboardInterrupt):
         track([first, second])
-    assert (tmp_path / f"out/{first.stem}_layers.nc").is_file()
+    assert (tmp_path / f"out/{SEGMENT}_layers.nc").is_file()
     assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat").is_file()
     assert not list((tmp_path / "out").rglob("*20120401_02*"))
 
@@ -201,6 +203,29 @@ def test_two_inputs_of_one_name_are_refused_before_anything_is_tracked(
     assert not lines
 
 
+def test_an_image_of_the_name_of_a_segment_is_refused(track, tmp_path, frame):
+    write_image(tmp_path / f"{SEGMENT}.png", np.ones((300, 64), np.uint8))
+    with refusal("name: expected another than that of a segment"):
+        track([write_frame(tmp_path, frame[0]), tmp_path / f"{SEGMENT}.png"])
+
+
+def test_a_line_of_twenty_layers_takes_less_than_250_bytes(track, tmp_path, rng, lines):
+    n_lines = 1000
+    echogram, _ = planted(rng, n_lines=n_lines, n_bins=1200)
+    power = echogram["Data"].values
+    for n in range(16):  # below the four layers that are there
+        below = 1 + 200 * np.exp(-0.5 * ((np.arange(1200) - 300 - 40 * n) / 1.3) ** 2)
+        swell = np.rint(6 * np.sin(2 * np.pi * np.arange(n_lines) / 150)).astype(int)
+        power *= below[(np.arange(1200)[:, None] - swell) % 1200]
+    path = write_frame(tmp_path, echogram)
+    assert track([path]) == 0
+    layers = read_layers(tmp_path / f"out/{SEGMENT}_layers.nc")
+    assert layers.sizes["layer"] == 21
+    assert layers["twtt"].notnull().mean() > 0.95
+    written = [path.stat().st_size for path in (tmp_path / "out").rglob("*") if path.is_file()]
+    assert sum(written) < 250 * n_lines
+
+
 def test_frames_without_number_are_numbered_by_time(track, tmp_path, dataset):
     paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
     for path, lines in zip(paths, (slice(150, 300), slice(0, 150)), strict=True):
@@ -260,12 +285,33 @@ def test_layers_go_on_in_the_next_frame_unless_a_gap_in_time_is_said(
     assert track(paths) == 0
     said = [line for line in lines if "not linked with frame 1" in line]
     first, second = (
-        set(read_layers(tmp_path / f"out/{path.stem}_layers.nc")["layer"].values) for path in paths
+        set(read_layers(tmp_path / f"out/CSARP_layer/{SEGMENT}/{path.name}")["layer"].values)
+        for path in paths
     )
     assert len(first) == len(second) == 5
     assert len(first & second) == n_shared
     assert len(said) == bool(message)
     assert message in "".join(said)
+
+
+def test_range_lines_that_two_frames_have_are_once_in_the_file_of_the_segment(
+    track, tmp_path, rng, lines
+):
+    echogram, _ = planted(rng, n_lines=500)
+    parts = {1: slice(0, 260), 2: slice(200, 500), 3: slice(100, 200)}
+    paths = [write_frame(tmp_path, echogram, number, part) for number, part in parts.items()]
+    assert track(paths) == 0
+    whole = open_segment([tmp_path / f"out/{SEGMENT}_layers.nc"])
+    formats.check_times(whole, content_of(echogram)["GPS_time"])
+    names, counts = np.unique(whole["frame"].values.astype(str), return_counts=True)
+    assert dict(zip(names, counts, strict=True)) == {paths[0].stem: 260, paths[1].stem: 240}
+    notes = whole.attrs["notes"]
+    for name, n in ((paths[1].stem, 60), (paths[2].stem, 100)):
+        note = f"{name}: {n} range lines before the end of {paths[0].stem} are left out here"
+        assert note in notes
+        assert sum(note in line for line in lines) == 1
+    folder = tmp_path / "out/CSARP_layer" / SEGMENT
+    assert read_layers(folder / paths[2].name).sizes["slow_time"] == 100
 
 
 def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
@@ -289,27 +335,33 @@ def test_frames_that_were_tracked_in_separate_calls_are_refused(weights, tmp_pat
     assert track_files(paths, tmp_path / "both", **options) == 0
     for number, path in enumerate(paths):
         assert track_files([path], tmp_path / f"apart_{number}", **options) == 0
-    both = sorted((tmp_path / "both").glob("*_layers.nc"))
-    for pattern in ("*_layers.nc", "CSARP_layer/*/Data_*.mat"):
-        files = sorted((tmp_path / "both").glob(pattern))
-        assert open_segment(files).attrs["tracked_together"]
-        apart = [
-            tmp_path / f"apart_{number}" / path.relative_to(tmp_path / "both")
-            for number, path in enumerate(files)
-        ]
+    pattern = "CSARP_layer/*/Data_*.mat"
+    both = sorted((tmp_path / "both").glob(pattern))
+    assert open_segment(both).attrs["tracked_together"]
+    apart = [
+        tmp_path / f"apart_{number}" / path.relative_to(tmp_path / "both")
+        for number, path in enumerate(both)
+    ]
+    of_segment = [tmp_path / f"apart_{number}/{SEGMENT}_layers.nc" for number in (0, 1)]
+    for files in (apart, of_segment):
         with refusal("track them in one call.*found 2 calls of track"):
-            open_segment(apart)
-    corrected = tmp_path / "corrected_layers.nc"
-    xr.load_dataset(both[0]).drop_vars("confidence").to_netcdf(corrected)
+            open_segment(files)
+    whole = xr.load_dataset(tmp_path / f"both/{SEGMENT}_layers.nc")
+    frames = []
+    for number, path in enumerate(paths):
+        frames.append(tmp_path / f"{number}_layers.nc")
+        corrected = ["confidence"] if number == 0 else []
+        is_frame = whole["frame"] == path.stem
+        whole.isel(slow_time=is_frame.values).drop_vars(corrected).to_netcdf(frames[-1])
     with pytest.warns(UserWarning, match="1 of 2 frames have no confidence, as a person's"):
-        open_segment([corrected, both[1]])
+        open_segment(frames)
 
 
 def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, dataset, lines):
     (tmp_path / "out").mkdir()
     path = tmp_path / "out/frame.nc"
     dataset.to_netcdf(path)
-    truth = tmp_path / "out/frame_layers.nc"
+    truth = tmp_path / "out/20120330_01_layers.nc"
     truth.write_text("truth")
     assert track([path], force=True) == 1
     assert f"{truth}: file: expected none beside the input" in lines[-1]
@@ -367,8 +419,7 @@ def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, frame, li
     monkeypatch.setattr("snowsim.tracking.segments.write_picture", lambda *_: {}["no such axis"])
     assert track(paths, png=True) == len(paths)
     assert "picks.png: picture: expected layers that can be drawn, found KeyError" in lines[-1]
-    for path in paths:
-        assert read_layers(tmp_path / "out" / f"{path.stem}_layers.nc").sizes["layer"] > 1
+    assert read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc").sizes["layer"] > 1
 
 
 def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, dataset, capsys):
@@ -377,7 +428,7 @@ def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, datase
     arguments = ["track", str(path), "-o", str(tmp_path / "out"), "--model", str(weights)]
     main(arguments)
     said = capsys.readouterr()
-    assert f"{tmp_path / 'out' / 'frame_layers.nc'}: 4 layers below the surface" in said.out
+    assert f"{tmp_path / 'out' / '20120330_01_layers.nc'}: 4 layers below the surface" in said.out
     # Without a segment in its name, the day is one.
     assert (tmp_path / "out/CSARP_layer/20120330_01/Data_20120330_01_001.mat").is_file()
     with pytest.raises(SystemExit) as stopped:
