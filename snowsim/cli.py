@@ -651,6 +651,12 @@ def check_outputs(paths, force, *endings):
     type=POSITIVE,
     help="Length of a range bin [s], two-way; needed for images only.",
 )
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Go on with a run that was stopped: leave segments that were written from the same files "
+    "by the same tracker.",
+)
 @force_files_option
 def track(files, folder, **options):
     """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker.

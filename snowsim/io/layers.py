@@ -631,6 +631,19 @@ def refuse_existing(path):
         raise refusal(path, "file", "none, or --force (force=True) to write over it", "one")
 
 
+def segment_files(folder, segment, numbers):
+    """Paths that `write_layer_files` gives frames of these numbers, the organizer last."""
+    parent = _parent(folder, segment)
+    frames = [_frame_path(folder, segment, number) for number in numbers]
+    return [*frames, parent / f"layer_{segment}.mat"]
+
+
+def digest_in(path):
+    """Attribute `TOGETHER` of a layer file, None if it has none; ValueError if it is damaged."""
+    values = read_values(path, (TOGETHER,))
+    return getattr(values, "attrs", values).get(TOGETHER)
+
+
 def _contents(segment, frames, origin):
     """Variables of layer files by path, the organizer last; `frames` holds layers by path."""
     n_layers = 1 + max(int(numbers_in_names(layers).max()) for layers in frames.values())

@@ -21,6 +21,7 @@ def track_files(
     png=False,
     bin_s=None,
     force=False,
+    resume=False,
     say=print,
     progress=None,
 ):
@@ -45,6 +46,11 @@ def track_files(
         Range bin of images [s].
     force : bool
         Replace files that exist; a file beside its own input is never replaced.
+    resume : bool
+        Leave segments that were written whole from the same files by the same tracker, and replace
+        what is left of others that were begun. What was made of other files or by another tracker
+        is refused. Of a segment of more than 20 frames, what was detected before an interrupt is in
+        the folder `.unfinished`, and is used.
     say : callable
         It is called with one line for each note, error and file written.
     progress : callable, optional
@@ -65,7 +71,7 @@ def track_files(
     tracker = Tracker.load(shipped_trackers().get(model, model))
     paths = [Path(path) for path in paths]
     _refuse_equal_names(paths)
-    output = Output(_writable_folder(folder), png, bin_s, force)
+    output = Output(_writable_folder(folder), png, bin_s, force, resume)
     segments, failed = plan(paths)
     _refuse_name_of_segment(segments)
     for message in failed:

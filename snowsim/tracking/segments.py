@@ -1,21 +1,38 @@
 """Tracks one segment: its frames are read one by one, linked, and written together."""
 
 import hashlib
+import json
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from snowsim import __version__
 from snowsim.echogram import from_uint8
 from snowsim.io import echogram, read_echogram
-from snowsim.io.files import image_format_of, library_errors, noted, refusal, written_together
+from snowsim.io.containers import open_container
+from snowsim.io.echograms import find_supplement
+from snowsim.io.files import (
+    content_of,
+    digest_of,
+    image_format_of,
+    library_errors,
+    noted,
+    picture_format,
+    read_dataset,
+    refusal,
+    written_together,
+)
 from snowsim.io.layers import (
     TOGETHER,
+    digest_in,
     join_frames,
     numbers_in_names,
     refuse_existing,
     refuse_other_frames,
     rounded,
+    segment_files,
     with_frame,
     write_layer_files,
     write_layers,
@@ -23,6 +40,12 @@ from snowsim.io.layers import (
 from snowsim.io.pairs import BLURRED, read_image
 from snowsim.io.pictures import write_picture
 from snowsim.tracking.trackers import layer_names
+from snowsim.tracking.unfinished import Unfinished
+
+MOST_LOST = 20  # frames whose detection may be lost; those of longer segments are kept in files
+UNREAD = "unread"  # in place of the digest of a file that cannot be read
+# Attribute of a segment: frames that could not be tracked, and why, as JSON.
+FAILED = "failed"
 
 # A frame follows another if it begins within this time after the end of the other, or within the
 # time of this many range lines, whichever is longer.
@@ -42,6 +65,12 @@ class Output:
     png: bool
     bin_s: float | None
     force: bool
+    resume: bool
+
+    @property
+    def replaces(self):
+        """Whether files are written over; with `resume` they were found to be this run's."""
+        return self.force or self.resume
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,17 +95,49 @@ def track_segment(tracker, files, output, say, advance):
     with the number of its range lines.
     """
     try:
+        left = _written_before(tracker.card, files, output) if output.resume else None
+        if left is not None:
+            for _ in files:
+                advance(0)
+            return _leave(left, files, output, say)
         _refuse_outputs(files, output)
     except (ValueError, OSError) as error:
         say(f"error: {error}")
         for _ in files:
             advance(0)
         return len(files)
+    unfinished = Unfinished(output.folder, tracker.card) if len(files) > MOST_LOST else None
+    frames, digests, failed = _detected(tracker, files, output, unfinished, say, advance)
+    if not frames:
+        return len(files)
+    attributes = {TOGETHER: _together(tracker.card, digests, output.bin_s)}
+    if failed:
+        attributes[FAILED] = json.dumps(failed)
+    try:
+        written = _link_and_write(tracker, frames, attributes, output, say)
+        if unfinished is not None:
+            unfinished.remove()
+        # Last, so that a picture that cannot be drawn stops no file.
+        for frame in frames if output.png else ():
+            _draw_picks(frame.path, written, output)
+    except (ValueError, OSError) as error:
+        say(f"error: {error}")
+        return len(files)
+    return len(failed)
+
+
+def _detected(tracker, files, output, unfinished, say, advance):
+    """List of `_Frame`, digests of all files, and the errors of those that failed, by name."""
     frames = []
+    digests = []
+    failed = {}
     for file in files:
+        digests.append(UNREAD)
         try:
-            frame = _load_and_detect(tracker, file, output.bin_s)
+            content, digests[-1] = _content_and_digest(file.path)
+            frame = _load_and_detect(tracker, file, content, digests[-1], output, unfinished)
         except (ValueError, OSError) as error:
+            failed[file.path.stem] = str(error)
             say(f"error: {error}")
             advance(0)
             continue
@@ -84,14 +145,76 @@ def track_segment(tracker, files, output, say, advance):
             say(f"{file.path}: {note}")
         frames.append(frame)
         advance(frame.evidence.slow_time.size)
-    if not frames:
-        return len(files)
-    try:
-        _link_and_write(tracker, frames, output, say)
-    except (ValueError, OSError) as error:
-        say(f"error: {error}")
-        return len(files)
-    return len(files) - len(frames)
+    return frames, digests, failed
+
+
+def _content_and_digest(path):
+    """Bytes of a file, none of a folder; and the digest of these and of the supplement beside."""
+    content = content_of(path)
+    digest = digest_of(path, content)
+    supplement = find_supplement(path)
+    if supplement is not None:
+        digest += digest_of(supplement, content_of(supplement))
+    return content, digest
+
+
+def _together(card, digests, bin_s):
+    """Digest of the inputs of a segment, in order, of the tracker's card and this version."""
+    digest = hashlib.sha256(f"{card} {__version__} {bin_s}".encode())
+    for each in digests:
+        digest.update(each.encode())
+    return digest.hexdigest()[:16]
+
+
+def _written_before(card, files, output):
+    """Layers of a segment that was written whole, by the same tracker from the same inputs.
+
+    None if there are none or not all files, or if one is damaged: such files are written anew.
+    ValueError if they were made of other inputs or by another tracker, unless `output.force`.
+    """
+    path = layers_file(output.folder, files[0])
+    segment = files[0].segment
+    numbers = [file.number for file in files]
+    *of_frames, organizer = segment_files(output.folder, segment, numbers) if segment else [path]
+    there = [each for each in (*of_frames, path) if each.exists()]
+    if not there:
+        return None
+    digests = []
+    for file in files:
+        digests.append(UNREAD)
+        with suppress(ValueError, OSError):
+            _, digests[-1] = _content_and_digest(file.path)
+    together = _together(card, digests, output.bin_s)
+    whole = set()
+    for each in there:
+        try:
+            found = digest_in(each)
+        except ValueError:
+            continue
+        if found == together:
+            whole.add(each)
+        elif not output.force:
+            wanted = f"{together}, that of these inputs and this tracker, or --force (force=True)"
+            raise refusal(each, TOGETHER, wanted, found)
+    if path not in whole or not organizer.exists():
+        return None
+    layers = read_dataset(path)
+    failed = json.loads(layers.attrs.get(FAILED, "{}"))
+    needed = zip(files, of_frames, strict=True) if segment else ()
+    is_whole = all(file.path.stem in failed or each in whole for file, each in needed)
+    return layers if is_whole else None
+
+
+def _leave(layers, files, output, say):
+    """Draw the pictures that are missing; the number of frames that failed, each with its line."""
+    failed = json.loads(layers.attrs.get(FAILED, "{}"))
+    for message in failed.values():
+        say(f"error: {message}")
+    say(f"{layers_file(output.folder, files[0])}: it was written before")
+    for file in files if output.png else ():
+        if file.path.stem not in failed and not _picture_file(output.folder, file.path).exists():
+            _draw_picks(file.path, layers, output)
+    return len(failed)
 
 
 def _refuse_outputs(files, output):
@@ -106,7 +229,7 @@ def _refuse_outputs(files, output):
         if path.exists() and folder.resolve() in inputs:
             wanted = "none beside the input, also with force (give another folder)"
             raise refusal(path, "file", wanted, "one")
-        if not output.force:
+        if not output.replaces:
             refuse_existing(path)
 
 
@@ -120,33 +243,37 @@ def _picture_file(folder, path):
     return folder / f"{path.stem}_picks.png"
 
 
-def _load_and_detect(tracker, file, bin_s):
-    """`_Frame` of a `File`."""
+def _load_and_detect(tracker, file, content, digest, output, unfinished):
+    """`_Frame` of a `File` from its content; its evidence is kept if `unfinished` is given."""
     path = file.path
     if file.segment is None:
-        echogram = _image_as_echogram(path, bin_s)
+        echogram = _image_as_echogram(path, content, output.bin_s)
         evidence = tracker.detect(echogram, str(path))
         notes = list(evidence.notes)
-        if image_format_of(path) == "JPEG":
+        if picture_format(content) == "JPEG":
             notes.append(BLURRED)
         row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
         if min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db):
             notes.append(
                 "the picture is bright above and below: expected bright layers on a dark ground"
             )
-    else:
+        return _Frame(path, None, None, evidence, tuple(notes))
+    evidence = unfinished.read(digest) if unfinished and output.resume else None
+    if evidence is None:
         with noted(path) as told:
-            echogram = read_echogram(path)
+            echogram = read_echogram(open_container(path, content))
         evidence = tracker.detect(echogram, str(path))
-        notes = [*told, *evidence.notes]
-    return _Frame(path, file.segment, file.number, evidence, tuple(notes))
+        evidence = evidence.with_notes(told)
+        if unfinished:
+            unfinished.keep(digest, evidence)
+    return _Frame(path, file.segment, file.number, evidence, evidence.notes)
 
 
-def _image_as_echogram(path, bin_s):
+def _image_as_echogram(path, content, bin_s):
     """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds."""
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
-    image, numbers = read_image(path)
+    image, numbers = read_image(path, content=content)
     floor_db = numbers.get("noise_floor_db", 0.0)
     darkest = image.mean(axis=1).min()
     contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
@@ -156,8 +283,8 @@ def _image_as_echogram(path, bin_s):
     return echogram(power, twtt=twtt, attrs={"source_format": "image"})
 
 
-def _link_and_write(tracker, frames, output, say):
-    """Link the frames of a segment, or of one image, and write their layers and pictures."""
+def _link_and_write(tracker, frames, attributes, output, say):
+    """Link the frames of a segment, or of one image, and write their layers; dataset as written."""
     folder = output.folder
     segment = frames[0].segment
     path = layers_file(folder, frames[0])
@@ -165,8 +292,8 @@ def _link_and_write(tracker, frames, output, say):
     if segment is None:
         written = _with_rows(found[0], output.bin_s)
     else:
-        attributes = {"day_seg": segment, TOGETHER: _digest(frames, tracker.card)}
-        found = [layers.assign_attrs(attributes) for layers in found]
+        of_frames = {"day_seg": segment, TOGETHER: attributes[TOGETHER]}
+        found = [layers.assign_attrs(of_frames) for layers in found]
         parts, of_times = _one_after_another(found)
         for note in of_times:
             say(f"{path}: {note}")
@@ -174,17 +301,17 @@ def _link_and_write(tracker, frames, output, say):
         written = join_frames(parts)
     is_picked = written["twtt"].notnull().any("slow_time")
     is_picked[0] = True
-    written = written.isel(layer=is_picked.values).assign_attrs(notes="; ".join(notes))
+    written = written.isel(layer=is_picked.values)
+    written = written.assign_attrs(notes="; ".join(notes), **attributes)
     with written_together():
+        # Begun first and renamed last: where it is, the segment is whole.
+        write_layers(path, written, force=output.replaces)
         if segment is not None:
             by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
-            write_layer_files(folder, segment, by_number, force=output.force)
-        write_layers(path, written, force=output.force)
+            write_layer_files(folder, segment, by_number, force=output.replaces)
     n_picks = int(written["twtt"][1:].notnull().sum())
     say(f"{path}: {written.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
-    # Last, so that a picture that cannot be drawn stops no file.
-    for frame, layers in zip(frames, found, strict=True) if output.png else ():
-        _draw_picks(frame.path, layers, folder, output.bin_s)
+    return written
 
 
 def _linked(tracker, frames, say):
@@ -244,15 +371,6 @@ def _interval_s(slow_time):
     return float(np.median(steps)) if steps.size else 0.0
 
 
-def _digest(frames, card):
-    """Digest of the frames whose layers have common names, in order, and of the tracker's card."""
-    digest = hashlib.sha256(repr(card).encode())
-    for frame in frames:
-        digest.update(frame.evidence.slow_time.tobytes())
-        digest.update(frame.evidence.canonical.surface_db.tobytes())
-    return digest.hexdigest()[:16]
-
-
 def _renumbered(layers_of_run, before):
     """Layers of a run, numbered after those of the runs before it; all share the surface."""
     n_above = max((int(numbers_in_names(layers).max()) for layers in before), default=0)
@@ -292,15 +410,22 @@ def _with_rows(layers, bin_s):
     return layers
 
 
-def _draw_picks(path, layers, folder, bin_s):
-    """Draw the picks of a file on its echogram.
+def _draw_picks(path, layers, output):
+    """Draw the picks of a file, which `layers` of its segment have, on its echogram.
 
     The file is read once more, because the samples of all frames of a segment do not fit into
     memory, and which samples are drawn depends on the picks.
     """
-    picture = _picture_file(folder, path)
+    picture = _picture_file(output.folder, path)
+    of_frame = layers.isel(slow_time=(layers["frame"] == path.stem).values)
+    if not of_frame.sizes["slow_time"]:  # all of them are another frame's
+        return
+    of_frame = of_frame.isel(layer=of_frame["twtt"].notnull().any("slow_time").values)
     with library_errors(picture, "picture: expected layers that can be drawn"):
         is_image = image_format_of(path) is not None
         with noted(path):  # as when it was tracked
-            drawn_on = _image_as_echogram(path, bin_s) if is_image else read_echogram(path)
-        write_picture(picture, layers, [drawn_on])
+            if is_image:
+                drawn_on = _image_as_echogram(path, content_of(path), output.bin_s)
+            else:
+                drawn_on = read_echogram(path)
+        write_picture(picture, of_frame, [drawn_on])

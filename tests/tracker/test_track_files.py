@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted
+from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted, write_weights
 from refusals import refusal
 
 from snowsim.cli import main
 from snowsim.io import open_segment, read_layers, write_image
 from snowsim.io.describe import describe
+from snowsim.io.files import read_arrays, write_arrays
 from snowsim.tracker import canonical
 from snowsim.tracking import Tracker, track_files
+from snowsim.tracking.unfinished import from_arrays, to_arrays
 
 
 @pytest.fixture
@@ -141,6 +143,152 @@ def test_an_interrupt_leaves_the_segments_that_were_finished(
     assert (tmp_path / f"out/{SEGMENT}_layers.nc").is_file()
     assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat").is_file()
     assert not list((tmp_path / "out").rglob("*20120401_02*"))
+
+
+@pytest.fixture
+def two_segments(tmp_path, rng):
+    """Files of two segments: three frames of the first, the second of them bad, and one frame."""
+    echogram, _ = planted(rng, n_lines=600)
+    parts = [slice(200 * n, 200 * n + 200) for n in range(3)]
+    paths = [write_frame(tmp_path, echogram, 1 + n, part) for n, part in enumerate(parts)]
+    paths[1].write_text("bad")
+    paths.append(tmp_path / "Data_20120401_02_001.mat")
+    formats.write_mat5(paths[-1], content_of(echogram, parts[0]))
+    return paths
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def times(folder):
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def test_what_is_whole_is_left_on_resuming_and_its_bad_frames_are_named_again(
+    track, tmp_path, two_segments, lines
+):
+    out = tmp_path / "out"
+    assert track(two_segments) == 1
+    before = contents(out)
+    (error,) = [line for line in lines if line.startswith("error: ")]
+    missing = [
+        out / "20120401_02_layers.nc",
+        out / f"CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat",
+        out / f"CSARP_layer/{SEGMENT}/Data_{SEGMENT}_003.mat",
+        out / f"{SEGMENT}_layers.nc",
+    ]
+    for path in (None, *missing):
+        whole = times(out)
+        if path is not None:
+            path.unlink()
+        lines.clear()
+        assert track(two_segments, resume=True) == 1
+        assert lines.count(error) == 1
+        assert sum("it was written before" in line for line in lines) == 2 - (path is not None)
+        assert contents(out) == before
+        name = "20120401_02" if path is None or SEGMENT in str(path) else SEGMENT
+        left = [each for each in whole if name in str(each)]
+        assert all(times(out)[each] == whole[each] for each in left)
+    damaged = out / f"{SEGMENT}_layers.nc"
+    damaged.write_bytes(before[damaged][:500])
+    assert track(two_segments, resume=True) == 1
+    assert contents(out) == before
+
+
+@pytest.mark.parametrize("change", ["other frame", "repaired", "other tracker"])
+def test_layers_of_other_inputs_or_another_tracker_are_refused_on_resuming(
+    track, tmp_path, two_segments, lines, frame, change, weights
+):
+    assert track(two_segments) == 1
+    before = contents(tmp_path / "out")
+    options = {}
+    if change == "other tracker":
+        other = tmp_path / "other"
+        other.mkdir()
+        options["model"] = str(write_weights(other, weights.read_bytes(), threshold=0.6))
+    else:
+        write_frame(tmp_path, frame[0], 3 if change == "other frame" else 2)
+    lines.clear()
+    assert track(two_segments, resume=True, **options) == (3 if not options else 4)
+    assert "tracked_together: expected" in lines[0]
+    assert "or --force (force=True), found" in lines[0]
+    assert contents(tmp_path / "out") == before
+    assert track(two_segments, resume=True, force=True, **options) == (change != "repaired")
+    assert contents(tmp_path / "out") != before
+
+
+def test_without_resume_what_is_there_is_refused(track, two_segments, lines):
+    assert track(two_segments) == 1
+    lines.clear()
+    assert track(two_segments) == 4
+    assert all("--force (force=True) to write over it" in line for line in lines)
+
+
+def test_missing_pictures_of_a_whole_segment_are_drawn_on_resuming(track, tmp_path, frame):
+    path = write_frame(tmp_path, frame[0])
+    track([path])
+    layers = times(tmp_path / "out")
+    assert track([path], png=True, resume=True) == 0
+    picture = tmp_path / f"out/{path.stem}_picks.png"
+    drawn = picture.read_bytes()
+    picture.unlink()
+    assert track([path], png=True, resume=True) == 0
+    assert picture.read_bytes() == drawn
+    assert layers.items() <= times(tmp_path / "out").items()
+
+
+def test_of_a_long_segment_an_interrupt_loses_no_frame_that_was_seen(
+    track, tmp_path, rng, monkeypatch
+):
+    monkeypatch.setattr("snowsim.tracking.segments.MOST_LOST", 2)
+    echogram, _ = planted(rng, n_lines=600)
+    paths = [
+        write_frame(tmp_path, echogram, 1 + n, slice(150 * n, 150 * n + 150)) for n in range(4)
+    ]
+    assert track(paths) == 0
+    out = tmp_path / "out"
+    before = contents(out)
+    assert not (out / ".unfinished").exists()
+    for path in before:
+        path.unlink()
+    seen = []
+    detect = Tracker.detect
+
+    def detected(tracker, echogram, where):
+        if len(seen) == 3:
+            seen.append("interrupt")
+            raise KeyboardInterrupt
+        seen.append(where)
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", detected)
+    with pytest.raises(KeyboardInterrupt):
+        track(paths)
+    kept = sorted((out / ".unfinished").iterdir())
+    assert len(kept) == 3
+    assert set(contents(out)) == set(kept)
+    kept[0].write_bytes(kept[0].read_bytes()[:-100])  # a damaged one counts for nothing
+    assert track(paths, resume=True) == 0
+    assert len(seen) == 6
+    assert contents(out) == before
+    assert not (out / ".unfinished").exists()
+
+
+def test_evidence_that_was_kept_gives_the_same_layers(tracker, tmp_path, frame):
+    echogram = frame[0].assign_attrs(day_seg=SEGMENT)
+    mask = (np.arange(300) // 200).astype(np.uint8)
+    flags = {"flag_masks": np.array([1, 2], np.uint8), "flag_meanings": "no_good_data low_SNR"}
+    echogram["quality_mask"] = ("slow_time", mask, flags)
+    evidence = tracker.detect(echogram).with_notes(["a note"])
+    write_arrays(tmp_path / "kept.npz", to_arrays(evidence))
+    kept = from_arrays(read_arrays(tmp_path / "kept.npz"))
+    expected, found = (tracker.pick_together([each])[0] for each in (evidence, kept))
+    assert "a note" in found.attrs["notes"]
+    is_bad = (found["quality"] == 3).where(found["twtt"].notnull())
+    assert is_bad[:, 200:].mean() == 1
+    assert is_bad[:, :200].mean() < 0.5
+    xr.testing.assert_identical(found, expected)
 
 
 def test_the_bar_counts_files_and_is_told_range_lines(track, tmp_path, frame):
