@@ -187,9 +187,29 @@ def with_frame(layers, name):
 def join_frames(frames):
     """Layers of frames in order of time, which have a `frame`, as one dataset; see `open_segment`.
 
-    Attributes that frames do not share are left out.
+    Attributes that frames do not share are left out. Variables are joined one by one, to save
+    memory: a segment may have 200 layers on 50,000 range lines.
     """
-    joined = xr.concat(
+    variables = dict.fromkeys(name for frame in frames for name in frame.data_vars)
+    joined = _joined([frame[["twtt"]] for frame in frames])
+    names = joined["layer"].values
+    in_order = sorted(names, key=lambda name: (name != SURFACE_NAME, len(str(name)), name))
+    if any(_crosses(frame, in_order) for frame in frames):  # such names are years, or have a group
+        twtt = joined["twtt"].sel(layer=in_order).transpose(*LAYER_AXES).values
+        in_order = np.array(in_order)[order_from_surface(twtt, list(map(str, in_order)))]
+    joined = joined.sel(layer=in_order)
+    for name in variables:
+        others = [[other for other in frame.data_vars if other != name] for frame in frames]
+        alone = [frame.drop_vars(other) for frame, other in zip(frames, others, strict=True)]
+        if name != "twtt":
+            of_all = _joined(alone)[name]
+            joined[name] = of_all.sel(layer=in_order) if "layer" in of_all.dims else of_all
+    return joined
+
+
+def _joined(frames):
+    """Datasets of frames concatenated along slow_time."""
+    return xr.concat(
         frames,
         "slow_time",
         data_vars="all",
@@ -199,13 +219,12 @@ def join_frames(frames):
         fill_value=VALUES_WITHOUT_PICK,
         combine_attrs="drop_conflicts",
     )
-    names = joined["layer"].values
-    in_order = sorted(names, key=lambda name: (name != SURFACE_NAME, len(str(name)), name))
-    by_name = joined.sel(layer=in_order)
-    twtt = by_name["twtt"].transpose(*LAYER_AXES).values
-    if crossing_layers(twtt).any():  # such names are years, or have a group
-        by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
-    return by_name
+
+
+def _crosses(frame, names):
+    """Whether layers of a frame cross in the order of these names."""
+    own = [name for name in names if name in frame.get_index("layer")]
+    return crossing_layers(frame["twtt"].sel(layer=own).transpose(*LAYER_AXES).values).any()
 
 
 def _check_together(frames, where):
@@ -596,10 +615,9 @@ def rounded(layers):
 
     Of layers that are one after this, the lower loses its pick.
     """
-    values = {name: np.rint(layers[name] / STEPS[name]) * STEPS[name] for name in STEPS}
-    layers = layers.assign(
-        {name: each.assign_attrs(layers[name].attrs) for name, each in values.items()}
-    )
+    for name, step in STEPS.items():  # one by one, to save memory
+        values = np.rint(layers[name] / step) * step
+        layers = layers.assign({name: values.assign_attrs(layers[name].attrs)})
     same = crossing_layers(layers["twtt"].transpose(*LAYER_AXES).values)
     if same.any():
         picks = ["twtt", "twtt_low", "twtt_high"]

@@ -1,5 +1,7 @@
 """Tracks one segment: its frames are read one by one, linked, and written together."""
 
+import gc
+import glob
 import hashlib
 import json
 from contextlib import suppress
@@ -42,6 +44,8 @@ from snowsim.io.pictures import write_picture
 from snowsim.tracking.trackers import layer_names
 from snowsim.tracking.unfinished import Unfinished
 
+NOT_DRAWN = ("twtt_low", "twtt_high", "confidence")
+LINES_OF_PICTURE = 2000  # most range lines of one
 MOST_LOST = 20  # frames whose detection may be lost; those of longer segments are kept in files
 UNREAD = "unread"  # in place of the digest of a file that cannot be read
 # Attribute of a segment: frames that could not be tracked, and why, as JSON.
@@ -202,7 +206,7 @@ def _written_before(card, files, output):
     failed = json.loads(layers.attrs.get(FAILED, "{}"))
     needed = zip(files, of_frames, strict=True) if segment else ()
     is_whole = all(file.path.stem in failed or each in whole for file, each in needed)
-    return layers if is_whole else None
+    return layers.drop_vars(NOT_DRAWN) if is_whole else None
 
 
 def _leave(layers, files, output, say):
@@ -212,7 +216,7 @@ def _leave(layers, files, output, say):
         say(f"error: {message}")
     say(f"{layers_file(output.folder, files[0])}: it was written before")
     for file in files if output.png else ():
-        if file.path.stem not in failed and not _picture_file(output.folder, file.path).exists():
+        if file.path.stem not in failed and not _pictures(output.folder, file.path):
             _draw_picks(file.path, layers, output)
     return len(failed)
 
@@ -223,7 +227,7 @@ def _refuse_outputs(files, output):
     if files[0].segment is not None:
         refuse_other_frames(folder, files[0].segment, [file.number for file in files])
     outputs = [layers_file(folder, files[0])]
-    outputs += [_picture_file(folder, file.path) for file in files if output.png]
+    outputs += [path for file in files if output.png for path in _pictures(folder, file.path)]
     inputs = {file.path.resolve().parent for file in files}
     for path in outputs:
         if path.exists() and folder.resolve() in inputs:
@@ -238,9 +242,10 @@ def layers_file(folder, file):
     return folder / f"{file.segment or file.path.stem}_layers.nc"
 
 
-def _picture_file(folder, path):
-    """File of the picks drawn on the echogram of an input."""
-    return folder / f"{path.stem}_picks.png"
+def _pictures(folder, path):
+    """Files of the picks drawn on the echogram of an input that are there."""
+    stem = f"{glob.escape(path.stem)}_picks"
+    return sorted([*folder.glob(f"{stem}.png"), *folder.glob(f"{stem}_[0-9][0-9].png")])
 
 
 def _load_and_detect(tracker, file, content, digest, output, unfinished):
@@ -284,7 +289,7 @@ def _image_as_echogram(path, content, bin_s):
 
 
 def _link_and_write(tracker, frames, attributes, output, say):
-    """Link the frames of a segment, or of one image, and write their layers; dataset as written."""
+    """Link the frames of a segment, or of one image, and write their layers; what is drawn."""
     folder = output.folder
     segment = frames[0].segment
     path = layers_file(folder, frames[0])
@@ -298,10 +303,11 @@ def _link_and_write(tracker, frames, attributes, output, say):
         for note in of_times:
             say(f"{path}: {note}")
         notes += of_times
-        written = join_frames(parts)
+        written = join_frames(parts) if len(parts) > 1 else parts[0]
     is_picked = written["twtt"].notnull().any("slow_time")
     is_picked[0] = True
-    written = written.isel(layer=is_picked.values)
+    if not is_picked.all():
+        written = written.isel(layer=is_picked.values)
     written = written.assign_attrs(notes="; ".join(notes), **attributes)
     with written_together():
         # Begun first and renamed last: where it is, the segment is whole.
@@ -311,7 +317,7 @@ def _link_and_write(tracker, frames, attributes, output, say):
             write_layer_files(folder, segment, by_number, force=output.replaces)
     n_picks = int(written["twtt"][1:].notnull().sum())
     say(f"{path}: {written.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
-    return written
+    return written.drop_vars(NOT_DRAWN)
 
 
 def _linked(tracker, frames, say):
@@ -321,11 +327,13 @@ def _linked(tracker, frames, say):
     for run in _runs(frames):
         if run[0].gap is not None:
             say(f"{run[0].path}: {run[0].gap}")
-        layers_of_run = tracker.pick_together([frame.evidence for frame in run])
-        for frame, layers in zip(run, _renumbered(layers_of_run, found), strict=True):
+        picked = tracker.pick_together([frame.evidence for frame in run])
+        picked = _renumbered(picked, found)
+        for frame in run:
             of_frame = [*frame.notes, *([frame.gap] if frame.gap else [])]
             notes += [f"{frame.path.stem}: {note}" for note in of_frame]
-            found.append(rounded(with_frame(layers, frame.path.stem)))
+            # Taken from the list, so that what is not rounded is not kept: it may be large.
+            found.append(rounded(with_frame(picked.pop(0), frame.path.stem)))
     return found, notes
 
 
@@ -413,14 +421,10 @@ def _with_rows(layers, bin_s):
 def _draw_picks(path, layers, output):
     """Draw the picks of a file, which `layers` of its segment have, on its echogram.
 
-    The file is read once more, because the samples of all frames of a segment do not fit into
-    memory, and which samples are drawn depends on the picks.
+    A long frame has several pictures. The file is read once more, because the samples of all frames
+    of a segment do not fit into memory, and which samples are drawn depends on the picks.
     """
-    picture = _picture_file(output.folder, path)
-    of_frame = layers.isel(slow_time=(layers["frame"] == path.stem).values)
-    if not of_frame.sizes["slow_time"]:  # all of them are another frame's
-        return
-    of_frame = of_frame.isel(layer=of_frame["twtt"].notnull().any("slow_time").values)
+    picture = output.folder / f"{path.stem}_picks.png"
     with library_errors(picture, "picture: expected layers that can be drawn"):
         is_image = image_format_of(path) is not None
         with noted(path):  # as when it was tracked
@@ -428,4 +432,15 @@ def _draw_picks(path, layers, output):
                 drawn_on = _image_as_echogram(path, content_of(path), output.bin_s)
             else:
                 drawn_on = read_echogram(path)
-        write_picture(picture, of_frame, [drawn_on])
+        gc.collect()  # bytes of the file, which are in a cycle of references: .1 GB of 50,000 lines
+        of_frame = np.flatnonzero(layers["frame"] == path.stem)
+        n_pictures = -(-of_frame.size // LINES_OF_PICTURE)
+        with written_together():
+            for number, lines in enumerate(np.array_split(of_frame, max(n_pictures, 1)), 1):
+                part = layers.isel(slow_time=lines)
+                is_drawn = part["twtt"].notnull().any("slow_time").values
+                is_drawn[0] = True
+                if n_pictures > 1:
+                    picture = output.folder / f"{path.stem}_picks_{number:02d}.png"
+                if lines.size:  # all lines of a frame may be another's, too
+                    write_picture(picture, part.isel(layer=is_drawn), [drawn_on])
