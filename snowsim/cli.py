@@ -657,6 +657,13 @@ def check_outputs(paths, force, *endings):
     help="Go on with a run that was stopped: leave segments that were written from the same files "
     "by the same tracker.",
 )
+@click.option(
+    "-j",
+    "--processes",
+    type=COUNT,
+    default=1,
+    help="Number of processes that work at once, each on a segment.",
+)
 @force_files_option
 def track(files, folder, **options):
     """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker.
@@ -670,6 +677,7 @@ def track(files, folder, **options):
     Examples:
       snowsim track Data_20120330_04_*.mat -o picked/
       snowsim track scene.png -o picked/ --bin-s 2.886e-10 --png
+      snowsim track season/Data_*.mat -o picked/ -j 16 --resume
     """  # noqa: D205, D301
     from snowsim.tracking import track_files
 

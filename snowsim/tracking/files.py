@@ -7,8 +7,10 @@ from tempfile import TemporaryFile
 
 from snowsim.io.files import refusal
 from snowsim.io.models import shipped_trackers
+from snowsim.limits import check_count
 from snowsim.progress import bar_of_files
 from snowsim.tracking.plan import plan
+from snowsim.tracking.processes import track_side_by_side
 from snowsim.tracking.segments import Output, track_segment
 from snowsim.tracking.trackers import Tracker
 
@@ -22,6 +24,7 @@ def track_files(
     bin_s=None,
     force=False,
     resume=False,
+    processes=1,
     say=print,
     progress=None,
 ):
@@ -41,7 +44,8 @@ def track_files(
     model : str
         Name of `list_pretrained`, or path of an ONNX file.
     png : bool
-        Draw picks on each echogram, as `NAME_picks.png`.
+        Draw picks on each echogram, as `NAME_picks.png`, or, of more than 2000 range lines, as
+        `NAME_picks_01.png` and so on.
     bin_s : float, optional
         Range bin of images [s].
     force : bool
@@ -51,6 +55,8 @@ def track_files(
         what is left of others that were begun. What was made of other files or by another tracker
         is refused. Of a segment of more than 20 frames, what was detected before an interrupt is in
         the folder `.unfinished`, and is used.
+    processes : int
+        Number of processes that work at once, each on a segment; layers do not depend on it.
     say : callable
         It is called with one line for each note, error and file written.
     progress : callable, optional
@@ -67,7 +73,10 @@ def track_files(
     ValueError
         In one line, before anything is tracked: the folder cannot be written to, two files have the
         same name, an image has that of a segment, or the tracker is damaged.
+    ChildProcessError
+        If one of several processes is killed, as where memory ends.
     """
+    check_count("processes", processes)
     tracker = Tracker.load(shipped_trackers().get(model, model))
     paths = [Path(path) for path in paths]
     _refuse_equal_names(paths)
@@ -81,15 +90,18 @@ def track_files(
     begin = time.monotonic()
     n_lines = 0
 
-    def advance(n_lines_of_file):
+    def advance(n_further_lines, n_files=1):
         nonlocal n_lines
-        n_lines += n_lines_of_file
+        n_lines += n_further_lines
         bar.set_postfix_str(f"{n_lines / (time.monotonic() - begin):,.0f} range lines/s", False)
-        bar.update()
+        bar.update(n_files)
 
     try:
-        for segment in segments:
-            n_failed += track_segment(tracker, segment, output, say, advance)
+        if processes > 1:
+            n_failed += track_side_by_side(tracker, segments, output, processes, say, advance)
+        else:
+            for segment in segments:
+                n_failed += track_segment(tracker, segment, output, say, advance)
     finally:
         bar.close()
     return n_failed

@@ -1,6 +1,8 @@
 """Files tracked: whatever holds an echogram, and what is written of it."""
 
 import os
+import signal
+import time
 
 import formats
 import numpy as np
@@ -145,6 +147,23 @@ def test_an_interrupt_leaves_the_segments_that_were_finished(
     assert not list((tmp_path / "out").rglob("*20120401_02*"))
 
 
+class Bar:
+    """What `track_files` needs of a bar of tqdm."""
+
+    def __init__(self):
+        self.n = 0
+        self.texts = []
+
+    def update(self, n):
+        self.n += n
+
+    def set_postfix_str(self, text, refresh):
+        self.texts.append(text)
+
+    def close(self):
+        self.is_closed = True
+
+
 @pytest.fixture
 def two_segments(tmp_path, rng):
     """Files of two segments: three frames of the first, the second of them bad, and one frame."""
@@ -275,6 +294,44 @@ def test_of_a_long_segment_an_interrupt_loses_no_frame_that_was_seen(
     assert not (out / ".unfinished").exists()
 
 
+def test_one_and_two_processes_write_the_same_bytes(track, tmp_path, two_segments, lines):
+    assert track(two_segments) == 1
+    out = tmp_path / "out"
+    one = contents(out)
+    said = sorted(lines)
+    lines.clear()
+    for path in one:
+        path.unlink()
+    bar = Bar()
+    assert track(two_segments, processes=2, progress=lambda total: bar) == 1
+    assert contents(out) == one
+    assert sorted(lines) == said
+    assert (bar.n, bar.is_closed) == (4, True)
+    assert track(two_segments, processes=2, resume=True) == 1
+
+
+def test_a_process_that_is_killed_is_one_line_and_what_was_written_stays(
+    track, tmp_path, two_segments, monkeypatch
+):
+    detect = Tracker.detect
+
+    def killed(tracker, echogram, where):
+        if "20120401_02" in where:
+            time.sleep(3)  # until the other segment is written
+            os.kill(os.getpid(), signal.SIGKILL)
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", killed)
+    with pytest.raises(ChildProcessError, match="a process was killed: is there memory"):
+        track(two_segments, processes=2)
+    out = tmp_path / "out"
+    assert not (out / "20120401_02_layers.nc").exists()
+    monkeypatch.undo()
+    assert track(two_segments, processes=2, resume=True) == 1
+    assert (out / "20120401_02_layers.nc").exists()
+    assert (out / f"{SEGMENT}_layers.nc").exists()
+
+
 def test_evidence_that_was_kept_gives_the_same_layers(tracker, tmp_path, frame):
     echogram = frame[0].assign_attrs(day_seg=SEGMENT)
     mask = (np.arange(300) // 200).astype(np.uint8)
@@ -292,19 +349,6 @@ def test_evidence_that_was_kept_gives_the_same_layers(tracker, tmp_path, frame):
 
 
 def test_the_bar_counts_files_and_is_told_range_lines(track, tmp_path, frame):
-    class Bar:
-        n = 0
-        texts = []
-
-        def update(self):
-            self.n += 1
-
-        def set_postfix_str(self, text, refresh):
-            self.texts.append(text)
-
-        def close(self):
-            self.is_closed = True
-
     bars = []
 
     def bar(total):
@@ -560,6 +604,26 @@ def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
     coloured = np.ptp(picture.astype(int), axis=2) > 60
     # Five layers level with the surface; they are some 900 pixels long.
     assert (coloured.sum(axis=1) > 500).sum() >= 5
+
+
+def test_a_long_frame_is_drawn_in_pieces_of_which_each_has_its_own_lines(
+    track, tmp_path, frame, monkeypatch
+):
+    drawn = []
+
+    def note(path, layers, echograms):
+        drawn.append((path.name, layers["slow_time"].values))
+
+    monkeypatch.setattr("snowsim.tracking.segments.write_picture", note)
+    monkeypatch.setattr("snowsim.tracking.segments.LINES_OF_PICTURE", 140)
+    path = write_frame(tmp_path, frame[0])
+    assert track([path], png=True) == 0
+    assert [name for name, _ in drawn] == [f"{path.stem}_picks_0{n}.png" for n in (1, 2, 3)]
+    whole = read_layers(tmp_path / f"out/{SEGMENT}_layers.nc")
+    assert_array_equal(np.concatenate([times for _, times in drawn]), whole["slow_time"])
+    (tmp_path / f"out/{path.stem}_picks_02.png").touch()
+    (tmp_path / f"out/{SEGMENT}_layers.nc").unlink()
+    assert track([path], png=True) == 1  # a picture is there
 
 
 def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, frame, lines, monkeypatch):
