@@ -3,11 +3,10 @@
 
 rule track_frames:
     input:
-        echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
+        echograms=lambda w: [row["echogram"] for row in frames_of_job(w.shard)],
         tracker=sources.own_tracker(OWN["tracker"]),
     output:
         folder=directory("results/picks/{shard}"),
-        table="results/tables/tracked_frames/{shard}.csv",
     log:
         "logs/track_frames/{shard}.log",
     benchmark:
@@ -15,7 +14,7 @@ rule track_frames:
     resources:
         mem_mb=4000,
     params:
-        frames=lambda w: [row["frame"] for row in frames_by_job()[w.shard]],
+        frames=lambda w: [row["frame"] for row in frames_of_job(w.shard)],
         model=OWN["tracker"],
         shipped=of_checkout(*sources.shipped_tracker(OWN["tracker"])),
     message:
@@ -26,7 +25,7 @@ rule track_frames:
 
 rule tabulate_picks:
     input:
-        tables=lambda w: expand("results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()),
+        folders=lambda w: expand("results/picks/{shard}", shard=frames_by_job()),
     output:
         table="results/tables/tracked_frames.csv",
     log:

@@ -44,4 +44,4 @@ with job(snakemake) as log:
         rows.append({"frame": frame, **of_frame, "remarks": "; ".join(lines)})
     for line in said:
         log.info(line)
-    write_table(snakemake.output.table, pd.DataFrame(rows))
+    write_table(folder / "frames.csv", pd.DataFrame(rows))
