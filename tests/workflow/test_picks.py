@@ -92,4 +92,6 @@ def test_frames_are_tracked_without_annotation(tmp_path, rng):
     assert bad.name in table["remarks"].iloc[1]
     assert lines_with(done, "warning: 1 of 2 frames could not be tracked")
     assert (tmp_path / "run/.snakemake/frames").is_dir()
+    used = pd.read_csv(results / "benchmarks/track_frames/0000.tsv", sep="\t")
+    assert 100 < used["max_rss"].iloc[0] < 700  # [MB], which the rule asks for beside its inputs
     assert (results / f"picks/0000/CSARP_layer/{SEGMENT}/{good.name}").is_file()
