@@ -290,14 +290,14 @@ def score(predictions, truth, form, **settings):
     suppressed to ridges first. Truth is a mask or layer numbers (PNG, or .npy of whole numbers) or
     layers in range bins (.npy of floats). A missing prediction counts as an empty map. The truth of
     data_NAME or NAME is layer_binary_NAME, layer_NAME or NAME. With --picks, both may be layer
-    files like those of `snowsim track`.
+    files, such as those of `snowsim track` in CSARP_layer/SEGMENT.
 
     \b
     Examples:
       snowsim score predictions/ test/
       snowsim score predictions/fuse/ test/ -j 4 --format csv > fuse.csv
       snowsim score --picks my_layers/ test/ --within-bins 1
-      snowsim score --picks picked/ annotated/ --bin-s 2.886e-10
+      snowsim score --picks picked/CSARP_layer/20120330_04 annotated/ --bin-s 2.886e-10
       snowsim score map.npy layers.npy --tolerance 0.01
     """  # noqa: D205, D301
     from snowsim.scoring import score_folders
@@ -651,18 +651,33 @@ def check_outputs(paths, force, *endings):
     type=POSITIVE,
     help="Length of a range bin [s], two-way; needed for images only.",
 )
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Go on with a run that was stopped: leave segments that were written from the same files "
+    "by the same tracker.",
+)
+@click.option(
+    "-j",
+    "--processes",
+    type=COUNT,
+    default=1,
+    help="Number of processes that work at once, each on a segment.",
+)
 @force_files_option
 def track(files, folder, **options):
     """Pick the layers of FILES, echograms or images (PNG, JPEG), with a trained tracker.
 
-    For each file, CReSIS layer files are written to CSARP_layer/SEGMENT, and NAME_layers.nc holds
-    the layers with the confidence of each pick. Consecutive frames of a segment are tracked as one.
-    The tracker was trained on synthetic scenes only.
+    For each segment, CReSIS layer files are written to CSARP_layer/SEGMENT, and SEGMENT_layers.nc
+    holds the layers of all its frames with the confidence of each pick. Those of an image are in
+    NAME_layers.nc. Consecutive frames of a segment are tracked as one. The tracker was trained on
+    synthetic scenes only.
 
     \b
     Examples:
       snowsim track Data_20120330_04_*.mat -o picked/
       snowsim track scene.png -o picked/ --bin-s 2.886e-10 --png
+      snowsim track season/Data_*.mat -o picked/ -j 16 --resume
     """  # noqa: D205, D301
     from snowsim.tracking import track_files
 
@@ -735,8 +750,8 @@ def track(files, folder, **options):
 def accumulation(files, path, density, years, png, echograms, force, **settings):
     """Compute depth, age and accumulation from the layers in FILES.
 
-    FILES are the layer files of the frames of one segment, which `snowsim track` wrote
-    (NAME_layers.nc) or people picked. The result has a row for each range line and year.
+    FILES are the layers of one segment, which `snowsim track` wrote (SEGMENT_layers.nc), or layer
+    files of its frames, which people picked. The result has a row for each range line and year.
 
     \b
     Columns of the CSV; NetCDF has them on (year, slow_time), GeoPackage has means over 500 m:
@@ -753,7 +768,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
 
     \b
     Examples:
-      snowsim accumulation picked/*_layers.nc -o accumulation.csv
+      snowsim accumulation picked/20120330_04_layers.nc -o accumulation.csv
       snowsim accumulation picked/*_layers.nc -o a.nc --year snow_3=2008 --density core.csv
       snowsim accumulation one_layers.nc -o a.gpkg --png --echogram one.nc
     """  # noqa: D205, D301
@@ -785,7 +800,7 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     if settings["annual"] is None and "confidence" not in layers:
         click.echo(
             "every layer is taken for a year, because picks without a confidence are a person's; "
-            "--count counts years (the picks of snowsim track have a confidence in NAME_layers.nc)"
+            "--count counts years (picks of snowsim track have a confidence in SEGMENT_layers.nc)"
         )
     if png:
         click.echo(f"{picture}: layers and accumulation")

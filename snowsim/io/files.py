@@ -3,6 +3,7 @@
 import errno
 import fcntl
 import glob
+import hashlib
 import os
 import platform
 import shutil
@@ -111,6 +112,16 @@ def content_of(path, most=-1):
         if head.startswith(start):
             raise refusal(path, "content", "data", what)
     return content
+
+
+def digest_of(path, content):
+    """SHA-256 of the `content` of a file, or of all files in a folder, such as a Zarr store."""
+    digest = hashlib.sha256(content)
+    for file in sorted(path.rglob("*")) if path.is_dir() else ():
+        if file.is_file():
+            digest.update(str(file.relative_to(path)).encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
 
 
 def picture_format(content):
@@ -244,17 +255,22 @@ def _no_room(path, error):
     return None
 
 
-def write_dataset(path, dataset, *, compress=False):
+COMPRESSION = {"zlib": True, "shuffle": True, "complevel": 9}
+
+
+def write_dataset(path, dataset, *, compress=False, encoding=None):
     """Write an xarray dataset as NetCDF-4, whole or not at all.
 
-    Floats keep their type, and no fill value is added. With `compress`, floats are compressed.
+    Floats keep their type, and no fill value is added. `encoding` by name of the variable replaces
+    this. With `compress`, floats are compressed, and what `encoding` names.
     """
+    chosen = encoding or {}
     encoding = {}
     for name, variable in dataset.variables.items():
-        if variable.dtype.kind == "f":
-            encoding[name] = {"_FillValue": None}
+        if variable.dtype.kind == "f" or name in chosen:
+            encoding[name] = chosen.get(name, {"_FillValue": None})
             if compress and variable.ndim:
-                encoding[name] |= {"zlib": True, "shuffle": True, "complevel": 9}
+                encoding[name] = encoding[name] | COMPRESSION
     try:
         with written_whole(path) as aside:
             dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
@@ -268,6 +284,22 @@ def read_dataset(path):
 
     with library_errors(path, "expected a NetCDF-4 file"):
         return xr.load_dataset(path, engine="netcdf4", decode_timedelta=False)
+
+
+def write_arrays(path, arrays):
+    """Write numpy arrays by name as `.npz`, whole or not at all."""
+    import numpy as np
+
+    with written_whole(path) as aside:
+        np.savez(aside, **arrays)
+
+
+def read_arrays(path):
+    """Arrays by name from a file of `write_arrays`; ValueError if it is damaged."""
+    import numpy as np
+
+    with library_errors(path), np.load(path, allow_pickle=False) as file:
+        return dict(file)
 
 
 def write_table(path, table):

@@ -58,6 +58,15 @@ VALUES_WITHOUT_PICK = {"quality": 1, "type": 2}
 PLACEHOLDER_S = 2e-7
 NEAR_PLACEHOLDER_S = 1e-8
 N_GAPS = 5
+# Steps to which `rounded` rounds values, which take 4 bytes each in files of `write_layers`. A MAT
+# file holds multiples of a power of two exactly, and in fewer bytes than those of 1 ps.
+STEPS = {
+    "twtt": 2.0**-40,  # 0.9 ps
+    "twtt_low": 2.0**-40,
+    "twtt_high": 2.0**-40,
+    "confidence": 2.0**-30,
+}
+NOT_PICKED = -(2**31)  # in place of a number of steps
 # Names in old files and in those of Open Polar Radar, by the names in new CReSIS files.
 CRESIS_NAMES = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 
@@ -125,15 +134,16 @@ def open_segment(paths):
     Parameters
     ----------
     paths : iterable of path_like
-        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`. With
-        ``SEGMENT/*.mat``, the organizer file among the layer files is ignored.
+        Files that `read_layers` reads: the `SEGMENT_layers.nc` of `snowsim track`, or files of its
+        frames. With ``SEGMENT/*.mat``, the organizer file among the layer files is ignored.
 
     Returns
     -------
     xarray.Dataset
         As of `read_layers`. Layers of the same name are one layer, NaN in frames without it. They
         are in order of their names: the surface, then by number; or, if layers in this order would
-        cross, from the surface down. `frame` (slow_time) is the name of the file.
+        cross, from the surface down. `frame` (slow_time) is the name of the echogram's file, or, if
+        the layers do not say it, of their own.
 
     Raises
     ------
@@ -153,17 +163,53 @@ def open_segment(paths):
         layers = read_layers(path)
         if any(str(name).startswith(TRACKED_PREFIX) for name in layers.get_index("layer")):
             segment, _ = named_frame(layers.attrs.get("granule", path))
-            segments |= {segment} - {None}
-        frame = Path(path).stem.removesuffix("_layers")
-        names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
-        frames.append(layers.assign_coords(frame=names))
+            segments |= {layers.attrs.get("day_seg", segment)} - {None}
+        if "frame" not in layers.coords or layers["frame"].dims != ("slow_time",):
+            layers = with_frame(layers, Path(path).stem.removesuffix("_layers"))
+        frames.append(layers)
     if len(segments) > 1:
         told = " and ".join(sorted(segments))
         expected = f"one segment, in which {TRACKED_PREFIX}1 of all frames is one layer"
         raise refusal(where, "segments", expected, told)
     frames.sort(key=lambda frame: frame["slow_time"].values[0])
     _check_together(frames, where)
-    joined = xr.concat(
+    joined = join_frames(frames)
+    check_layers(joined, f"{where} of {paths[0]}")
+    return joined
+
+
+def with_frame(layers, name):
+    """Layers with the name of their frame on each range line, the coordinate `frame`."""
+    names = np.full(layers.sizes["slow_time"], name, dtype=object)
+    return layers.assign_coords(frame=("slow_time", names))
+
+
+def join_frames(frames):
+    """Layers of frames in order of time, which have a `frame`, as one dataset; see `open_segment`.
+
+    Attributes that frames do not share are left out. Variables are joined one by one, to save
+    memory: a segment may have 200 layers on 50,000 range lines.
+    """
+    variables = dict.fromkeys(name for frame in frames for name in frame.data_vars)
+    joined = _joined([frame[["twtt"]] for frame in frames])
+    names = joined["layer"].values
+    in_order = sorted(names, key=lambda name: (name != SURFACE_NAME, len(str(name)), name))
+    if any(_crosses(frame, in_order) for frame in frames):  # such names are years, or have a group
+        twtt = joined["twtt"].sel(layer=in_order).transpose(*LAYER_AXES).values
+        in_order = np.array(in_order)[order_from_surface(twtt, list(map(str, in_order)))]
+    joined = joined.sel(layer=in_order)
+    for name in variables:
+        others = [[other for other in frame.data_vars if other != name] for frame in frames]
+        alone = [frame.drop_vars(other) for frame, other in zip(frames, others, strict=True)]
+        if name != "twtt":
+            of_all = _joined(alone)[name]
+            joined[name] = of_all.sel(layer=in_order) if "layer" in of_all.dims else of_all
+    return joined
+
+
+def _joined(frames):
+    """Datasets of frames concatenated along slow_time."""
+    return xr.concat(
         frames,
         "slow_time",
         data_vars="all",
@@ -173,14 +219,12 @@ def open_segment(paths):
         fill_value=VALUES_WITHOUT_PICK,
         combine_attrs="drop_conflicts",
     )
-    names = joined["layer"].values
-    in_order = sorted(names, key=lambda name: (name != SURFACE_NAME, len(str(name)), name))
-    by_name = joined.sel(layer=in_order)
-    twtt = by_name["twtt"].transpose(*LAYER_AXES).values
-    if crossing_layers(twtt).any():  # such names are years, or have a group
-        by_name = by_name.isel(layer=order_from_surface(twtt, list(map(str, in_order))))
-    check_layers(by_name, f"{where} of {paths[0]}")
-    return by_name
+
+
+def _crosses(frame, names):
+    """Whether layers of a frame cross in the order of these names."""
+    own = [name for name in names if name in frame.get_index("layer")]
+    return crossing_layers(frame["twtt"].sel(layer=own).transpose(*LAYER_AXES).values).any()
 
 
 def open_segments(paths):
@@ -597,17 +641,56 @@ def _frame_path(folder, segment, number):
     return _parent(folder, segment) / f"Data_{segment}_{number:03d}.mat"
 
 
+def rounded(layers):
+    """Layers with values as files of `write_layers` hold them, rounded to `STEPS`.
+
+    Of layers that are one after this, the lower loses its pick.
+    """
+    for name, step in STEPS.items():  # one by one, to save memory
+        values = np.rint(layers[name] / step) * step
+        layers = layers.assign({name: values.assign_attrs(layers[name].attrs)})
+    same = crossing_layers(layers["twtt"].transpose(*LAYER_AXES).values)
+    if same.any():
+        picks = ["twtt", "twtt_low", "twtt_high"]
+        layers = layers.assign(layers[picks].where(~xr.DataArray(same, dims=LAYER_AXES)))
+    return layers
+
+
 def write_layers(path, layers, *, force=False):
-    """Write layers of one frame as NetCDF, with all variables of the dataset."""
+    """Write layers as NetCDF, with all variables of the dataset; those of `STEPS` are rounded.
+
+    They may be of one frame or, with `frame` along slow_time, of a segment.
+    """
     if not force:
         refuse_existing(path)
-    write_dataset(path, layers, compress=True)
+    encoding = {
+        name: {"dtype": "int32", "scale_factor": step, "_FillValue": NOT_PICKED}
+        for name, step in STEPS.items()
+    }
+    # As characters: netCDF does not compress text of any length.
+    encoding["frame"] = {"dtype": "S1"}
+    encoding |= dict.fromkeys(("slow_time", *VALUES_WITHOUT_PICK), {})
+    encoding = {name: how for name, how in encoding.items() if name in layers.variables}
+    write_dataset(path, layers, compress=True, encoding=encoding)
 
 
 def refuse_existing(path):
     """Raise ValueError if the file exists."""
     if Path(path).exists():
         raise refusal(path, "file", "none, or --force (force=True) to write over it", "one")
+
+
+def segment_files(folder, segment, numbers):
+    """Paths that `write_layer_files` gives frames of these numbers, the organizer last."""
+    parent = _parent(folder, segment)
+    frames = [_frame_path(folder, segment, number) for number in numbers]
+    return [*frames, parent / f"layer_{segment}.mat"]
+
+
+def digest_in(path):
+    """Attribute `TOGETHER` of a layer file, None if it has none; ValueError if it is damaged."""
+    values = read_values(path, (TOGETHER,))
+    return getattr(values, "attrs", values).get(TOGETHER)
 
 
 def _contents(segment, frames, origin):

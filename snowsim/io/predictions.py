@@ -26,7 +26,7 @@ LABEL_FILE = re.compile("(layer_binary_|layer_|data_|)(.*?)(?:_layers)?")
 # Correlation above which a map is an image itself, scaled or rounded.
 SAME_IMAGE = 0.999
 # `snowsim track` writes these beside its layers: pictures, and the names of a segment's layers.
-NO_LAYERS = re.compile(r".*_picks\.png|layer_\d{8}_\d{2}\.mat")
+NO_LAYERS = re.compile(r".*_picks(_\d\d)?\.png|layer_\d{8}_\d{2}\.mat")
 
 
 def pair_files(predictions, truth, *, picks=False):

@@ -24,7 +24,7 @@ MODULES = {
         "ridges_of",
     ),
     "card": ("CONFIDENCE", "Card", "checked_card", "make_card"),
-    "inputs": ("canonical",),
+    "inputs": ("Canonical", "Grid", "canonical"),
     "joining": ("join",),
     "layers": (
         "between_lines",
@@ -44,6 +44,7 @@ MODULES = {
         "track",
     ),
     "picks": (
+        "Evidence",
         "deepest_row",
         "evidence_of",
         "layers_of_frames",

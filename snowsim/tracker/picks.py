@@ -10,7 +10,13 @@ from snowsim.echogram import crossing_layers
 from snowsim.limits import check_values
 from snowsim.tracker.inputs import Canonical
 from snowsim.tracker.joining import join, sort_downwards
-from snowsim.tracker.layers import confidence, confident_pieces, layers_of_frame, on_lines
+from snowsim.tracker.layers import (
+    POSITIONS,
+    confidence,
+    confident_pieces,
+    layers_of_frame,
+    on_lines,
+)
 from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
 from snowsim.tracker.windows import log_odds_by_lines, to_input
 
@@ -19,6 +25,8 @@ MEAN_OVER = (5, 33)  # rows and range lines over which power is averaged to find
 # No surface is where power rises most but the network detects nothing. In simulations this holds on
 # at most .06 of the lines, in frames that are upside down on .31 or more.
 UNSEEN_SHARE = 0.2
+# Variables of an echogram that layers are made of once candidates are found.
+USED_LATER = (*POSITIONS, "quality_mask", "flagged")
 CERTAIN = (1e-6, 1 - 1e-6)  # probabilities are clipped to these
 
 
@@ -112,6 +120,11 @@ class Evidence:
         """Notes on what limits the layers of this frame, tuple of str."""
         return self.canonical.notes
 
+    def with_notes(self, notes):
+        """The same evidence with further notes, before its own."""
+        canonical = replace(self.canonical, notes=(*notes, *self.notes))
+        return replace(self, canonical=canonical)
+
 
 def evidence_of(run, canonical, card):
     """`Evidence` in a canonical frame; `run` gives log-odds of a stack of inputs."""
@@ -122,7 +135,9 @@ def evidence_of(run, canonical, card):
         found = find_candidates(log_odds, LINKING, threshold)
         deepest = deepest_row(image, canonical.grey(card.echo_db))
         parts.append(found.where(found.row <= deepest[found.line]))
-    without_samples = replace(canonical, echogram=canonical.echogram.drop_vars("Data"))
+    echogram = canonical.echogram
+    without_samples = echogram[[name for name in USED_LATER if name in echogram]]
+    without_samples = replace(canonical, echogram=without_samples)
     return _split_surface(without_samples, Candidates.concatenated(parts), threshold)
 
 

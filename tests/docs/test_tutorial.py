@@ -90,7 +90,14 @@ def test_code_on_the_other_pages_runs(tmp_path):
     of_tracker = {f"twtt_{end}": layers["twtt"] for end in ("low", "high")}
     tracked = layers[["twtt", "quality", "type", "Latitude", "Longitude", "Elevation"]]
     tracked = tracked.assign(confidence=layers["twtt"], **of_tracker)
-    tracked.to_netcdf(tmp_path / "NAME_layers.nc")
+    names = [f"Data_20120330_04_00{n}" for n in (1, 2)]
+    frames = [
+        snowsim.io.layers.with_frame(tracked.isel(slow_time=lines), name)
+        for name, lines in zip(names, (slice(0, 500), slice(500, 1000)), strict=True)
+    ]
+    snowsim.io.write_layers(
+        tmp_path / "20120330_04_layers.nc", snowsim.io.layers.join_frames(frames)
+    )
     pages = [ROOT / "docs/start/add-your-own.md", *sorted((ROOT / "docs/stages").glob("*.md"))]
     save_named(pages[0], tmp_path)
     # One process for all, in which no block sees what another named.
@@ -102,6 +109,10 @@ def test_code_on_the_other_pages_runs(tmp_path):
     ]
     assert program
     run_in(tmp_path, sys.executable, "-c", "\n".join(program))
+    corrected = snowsim.io.open_segment([tmp_path / "corrected_layers.nc"])
+    assert "snow_4" not in corrected["layer"].values
+    is_picked = corrected["twtt"].sel(layer="snow_7").notnull().groupby("frame").any()
+    assert is_picked.values.tolist() == [True, False]
     added = snowsim.io.read_layers(tmp_path / "added_layers.nc")
     assert added["layer"].values.tolist()[5:8] == ["snow_5", "by_hand", "snow_6"]
     assert added["Latitude"].dims == ("slow_time",)

@@ -93,7 +93,8 @@ def test_commands_note_lines_that_are_left_out_once(tmp_path, capsys, command):
     note = "slow_time: 1 of 64 range lines are left out"
     assert capsys.readouterr().out.count(f"{note}") == 1
     if command == "track":
-        layers = read_layers(tmp_path / "out" / "frame_layers.nc")
+        (written,) = (tmp_path / "out").glob("*_layers.nc")
+        layers = read_layers(written)
         assert note in layers.attrs["notes"]
         assert layers.sizes["slow_time"] == 63
 

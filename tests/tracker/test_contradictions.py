@@ -78,8 +78,9 @@ def test_each_contradiction_is_one_note_of_info_and_of_track(
     lines = []
     track_files([path], tmp_path / "out", model=str(weights), say=lines.append)
     assert lines.count(f"{path}: {found}") == 1
-    notes = read_layers(tmp_path / "out" / f"{name}_layers.nc").attrs["notes"]
-    assert notes.split("; ").count(found) == 1
+    (written,) = (tmp_path / "out").glob("*_layers.nc")
+    notes = read_layers(written).attrs["notes"]
+    assert notes.split("; ").count(f"{name}: {found}") == 1
 
 
 @pytest.mark.parametrize(

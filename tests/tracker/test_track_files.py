@@ -1,20 +1,24 @@
 """Files tracked: whatever holds an echogram, and what is written of it."""
 
 import os
+import signal
+import time
 
 import formats
 import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted
+from planted_layers import BIN_S, NAMES, SEGMENT, WRITERS, content_of, planted, write_weights
 from refusals import refusal
 
 from snowsim.cli import main
 from snowsim.io import open_segment, read_layers, write_image
 from snowsim.io.describe import describe
+from snowsim.io.files import read_arrays, write_arrays
 from snowsim.tracker import canonical
-from snowsim.tracking import track_files
+from snowsim.tracking import Tracker, track_files
+from snowsim.tracking.unfinished import from_arrays, to_arrays
 
 
 @pytest.fixture
@@ -53,7 +57,8 @@ def test_layers_of_every_format_are_read_back_with_the_same_travel_times(
     name, write = WRITERS[kind]
     write(tmp_path / name, content_of(echogram))
     assert track([tmp_path / name]) == 0
-    netcdf = read_layers(tmp_path / "out" / f"{(tmp_path / name).stem}_layers.nc")
+    netcdf = read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc")
+    assert set(netcdf["frame"].values) == {(tmp_path / name).stem}
     assert netcdf["layer"].values.tolist() == NAMES
     error = netcdf["twtt"].values - 3e-6 - planted_layers["twtt"].values
     assert np.nanmax(np.abs(error)) < BIN_S
@@ -77,15 +82,16 @@ def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tm
         error = found["twtt"].values - 3e-6 - layers["twtt"].values[:, part]
         assert np.nanmax(np.abs(error)) < BIN_S
         assert np.isfinite(error).mean() > 0.97
-    written = [tmp_path / "out" / f"{path.stem}_layers.nc" for path in paths]
-    joined = open_segment(written[::-1])
-    assert_array_equal(joined["layer"], NAMES)
-    whole = [read_layers(path) for path in written]
-    for name in ("twtt", "confidence"):
-        assert_array_equal(joined[name], np.hstack([frame[name] for frame in whole]))
+    (written,) = (tmp_path / "out").glob("*.nc")
+    whole = open_segment([written])
+    assert_array_equal(whole["layer"], NAMES)
+    assert_array_equal(whole["frame"], 260 * [paths[0].stem] + 240 * [paths[1].stem])
+    joined = open_segment([folder / path.name for path in paths[::-1]])
+    for name in ("twtt", "quality", "slow_time", "Latitude", "frame"):
+        assert_array_equal(joined[name], whole[name])
     for wrong, message in (
         ([], "files: expected those of its"),
-        (2 * written, "frames that follow one another, found frames overlap in time"),
+        ([written, written], "frames that follow one another, found frames overlap in time"),
     ):
         with refusal(message):
             open_segment(wrong)
@@ -99,9 +105,262 @@ def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lin
     assert track([text, empty, good, tmp_path / "none.mat"]) == 3
     errors = [line for line in lines if line.startswith("error: ")]
     assert len(errors) == 3
-    assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[1]
+    assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[2]
     assert all("\n" not in line for line in lines)
-    assert (tmp_path / "out" / f"{good.stem}_layers.nc").is_file()
+    assert read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc").sizes["slow_time"] == 300
+
+
+def test_a_bad_frame_leaves_its_segment_in_two_parts(track, tmp_path, rng, lines):
+    echogram, _ = planted(rng, n_lines=600)
+    parts = [slice(200 * n, 200 * n + 200) for n in range(3)]
+    paths = [write_frame(tmp_path, echogram, 1 + n, part) for n, part in enumerate(parts)]
+    paths[1].write_bytes(paths[1].read_bytes()[:20_000])
+    assert track(paths) == 1
+    (error,) = [line for line in lines if line.startswith("error: ")]
+    assert str(paths[1]) in error
+    folder = tmp_path / "out" / "CSARP_layer" / SEGMENT
+    assert not (folder / paths[1].name).exists()
+    first, last = (read_layers(folder / paths[n].name)["layer"].values for n in (0, 2))
+    assert first.tolist() == NAMES
+    # Nobody knows which layer is which beyond the gap.
+    assert last.tolist() == ["surface", *(f"snow_{n}" for n in range(5, 9))]
+
+
+def test_an_interrupt_leaves_the_segments_that_were_finished(
+    track, tmp_path, frame, lines, monkeypatch
+):
+    first = write_frame(tmp_path, frame[0])
+    second = tmp_path / "Data_20120401_02_001.mat"
+    formats.write_mat5(second, content_of(frame[0]))
+    detect = Tracker.detect
+
+    def interrupted(tracker, echogram, where):
+        if where == str(second):
+            raise KeyboardInterrupt
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        track([first, second])
+    assert (tmp_path / f"out/{SEGMENT}_layers.nc").is_file()
+    assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat").is_file()
+    assert not list((tmp_path / "out").rglob("*20120401_02*"))
+
+
+class Bar:
+    """What `track_files` needs of a bar of tqdm."""
+
+    def __init__(self):
+        self.n = 0
+        self.texts = []
+
+    def update(self, n):
+        self.n += n
+
+    def set_postfix_str(self, text, refresh):
+        self.texts.append(text)
+
+    def close(self):
+        self.is_closed = True
+
+
+@pytest.fixture
+def two_segments(tmp_path, rng):
+    """Files of two segments: three frames of the first, the second of them bad, and one frame."""
+    echogram, _ = planted(rng, n_lines=600)
+    parts = [slice(200 * n, 200 * n + 200) for n in range(3)]
+    paths = [write_frame(tmp_path, echogram, 1 + n, part) for n, part in enumerate(parts)]
+    paths[1].write_text("bad")
+    paths.append(tmp_path / "Data_20120401_02_001.mat")
+    formats.write_mat5(paths[-1], content_of(echogram, parts[0]))
+    return paths
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def times(folder):
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def test_what_is_whole_is_left_on_resuming_and_its_bad_frames_are_named_again(
+    track, tmp_path, two_segments, lines
+):
+    out = tmp_path / "out"
+    assert track(two_segments) == 1
+    before = contents(out)
+    (error,) = [line for line in lines if line.startswith("error: ")]
+    missing = [
+        out / "20120401_02_layers.nc",
+        out / f"CSARP_layer/{SEGMENT}/layer_{SEGMENT}.mat",
+        out / f"CSARP_layer/{SEGMENT}/Data_{SEGMENT}_003.mat",
+        out / f"{SEGMENT}_layers.nc",
+    ]
+    for path in (None, *missing):
+        whole = times(out)
+        if path is not None:
+            path.unlink()
+        lines.clear()
+        assert track(two_segments, resume=True) == 1
+        assert lines.count(error) == 1
+        assert sum("it was written before" in line for line in lines) == 2 - (path is not None)
+        assert contents(out) == before
+        name = "20120401_02" if path is None or SEGMENT in str(path) else SEGMENT
+        left = [each for each in whole if name in str(each)]
+        assert all(times(out)[each] == whole[each] for each in left)
+    damaged = out / f"{SEGMENT}_layers.nc"
+    damaged.write_bytes(before[damaged][:500])
+    assert track(two_segments, resume=True) == 1
+    assert contents(out) == before
+
+
+@pytest.mark.parametrize("change", ["other frame", "repaired", "other tracker"])
+def test_layers_of_other_inputs_or_another_tracker_are_refused_on_resuming(
+    track, tmp_path, two_segments, lines, frame, change, weights
+):
+    assert track(two_segments) == 1
+    before = contents(tmp_path / "out")
+    options = {}
+    if change == "other tracker":
+        other = tmp_path / "other"
+        other.mkdir()
+        options["model"] = str(write_weights(other, weights.read_bytes(), threshold=0.6))
+    else:
+        write_frame(tmp_path, frame[0], 3 if change == "other frame" else 2)
+    lines.clear()
+    assert track(two_segments, resume=True, **options) == (3 if not options else 4)
+    assert "tracked_together: expected" in lines[0]
+    assert "or --force (force=True), found" in lines[0]
+    assert contents(tmp_path / "out") == before
+    assert track(two_segments, resume=True, force=True, **options) == (change != "repaired")
+    assert contents(tmp_path / "out") != before
+
+
+def test_without_resume_what_is_there_is_refused(track, two_segments, lines):
+    assert track(two_segments) == 1
+    lines.clear()
+    assert track(two_segments) == 4
+    assert all("--force (force=True) to write over it" in line for line in lines)
+
+
+def test_missing_pictures_of_a_whole_segment_are_drawn_on_resuming(track, tmp_path, frame):
+    path = write_frame(tmp_path, frame[0])
+    track([path])
+    layers = times(tmp_path / "out")
+    assert track([path], png=True, resume=True) == 0
+    picture = tmp_path / f"out/{path.stem}_picks.png"
+    drawn = picture.read_bytes()
+    picture.unlink()
+    assert track([path], png=True, resume=True) == 0
+    assert picture.read_bytes() == drawn
+    assert layers.items() <= times(tmp_path / "out").items()
+
+
+def test_of_a_long_segment_an_interrupt_loses_no_frame_that_was_seen(
+    track, tmp_path, rng, monkeypatch
+):
+    monkeypatch.setattr("snowsim.tracking.segments.MOST_LOST", 2)
+    echogram, _ = planted(rng, n_lines=600)
+    paths = [
+        write_frame(tmp_path, echogram, 1 + n, slice(150 * n, 150 * n + 150)) for n in range(4)
+    ]
+    assert track(paths) == 0
+    out = tmp_path / "out"
+    before = contents(out)
+    assert not (out / ".unfinished").exists()
+    for path in before:
+        path.unlink()
+    seen = []
+    detect = Tracker.detect
+
+    def detected(tracker, echogram, where):
+        if len(seen) == 3:
+            seen.append("interrupt")
+            raise KeyboardInterrupt
+        seen.append(where)
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", detected)
+    with pytest.raises(KeyboardInterrupt):
+        track(paths)
+    kept = sorted((out / ".unfinished").iterdir())
+    assert len(kept) == 3
+    assert set(contents(out)) == set(kept)
+    kept[0].write_bytes(kept[0].read_bytes()[:-100])  # a damaged one counts for nothing
+    assert track(paths, resume=True) == 0
+    assert len(seen) == 6
+    assert contents(out) == before
+    assert not (out / ".unfinished").exists()
+
+
+def test_one_and_two_processes_write_the_same_bytes(track, tmp_path, two_segments, lines):
+    assert track(two_segments) == 1
+    out = tmp_path / "out"
+    one = contents(out)
+    said = sorted(lines)
+    lines.clear()
+    for path in one:
+        path.unlink()
+    bar = Bar()
+    assert track(two_segments, processes=2, progress=lambda total: bar) == 1
+    assert contents(out) == one
+    assert sorted(lines) == said
+    assert (bar.n, bar.is_closed) == (4, True)
+    assert track(two_segments, processes=2, resume=True) == 1
+
+
+def test_a_process_that_is_killed_is_one_line_and_what_was_written_stays(
+    track, tmp_path, two_segments, monkeypatch
+):
+    detect = Tracker.detect
+
+    def killed(tracker, echogram, where):
+        if "20120401_02" in where:
+            time.sleep(3)  # until the other segment is written
+            os.kill(os.getpid(), signal.SIGKILL)
+        return detect(tracker, echogram, where)
+
+    monkeypatch.setattr(Tracker, "detect", killed)
+    with pytest.raises(ChildProcessError, match="a process was killed: is there memory"):
+        track(two_segments, processes=2)
+    out = tmp_path / "out"
+    assert not (out / "20120401_02_layers.nc").exists()
+    monkeypatch.undo()
+    assert track(two_segments, processes=2, resume=True) == 1
+    assert (out / "20120401_02_layers.nc").exists()
+    assert (out / f"{SEGMENT}_layers.nc").exists()
+
+
+def test_evidence_that_was_kept_gives_the_same_layers(tracker, tmp_path, frame):
+    echogram = frame[0].assign_attrs(day_seg=SEGMENT)
+    mask = (np.arange(300) // 200).astype(np.uint8)
+    flags = {"flag_masks": np.array([1, 2], np.uint8), "flag_meanings": "no_good_data low_SNR"}
+    echogram["quality_mask"] = ("slow_time", mask, flags)
+    evidence = tracker.detect(echogram).with_notes(["a note"])
+    write_arrays(tmp_path / "kept.npz", to_arrays(evidence))
+    kept = from_arrays(read_arrays(tmp_path / "kept.npz"))
+    expected, found = (tracker.pick_together([each])[0] for each in (evidence, kept))
+    assert "a note" in found.attrs["notes"]
+    is_bad = (found["quality"] == 3).where(found["twtt"].notnull())
+    assert is_bad[:, 200:].mean() == 1
+    assert is_bad[:, :200].mean() < 0.5
+    xr.testing.assert_identical(found, expected)
+
+
+def test_the_bar_counts_files_and_is_told_range_lines(track, tmp_path, frame):
+    bars = []
+
+    def bar(total):
+        bars.append(Bar())
+        assert total == 2
+        return bars[0]
+
+    (tmp_path / f"Data_{SEGMENT}_002.mat").write_text("bad")
+    paths = [write_frame(tmp_path, frame[0]), tmp_path / f"Data_{SEGMENT}_002.mat"]
+    track([*paths, tmp_path / "none.mat"], progress=bar)
+    assert (bars[0].n, bars[0].is_closed) == (2, True)
+    assert all(text.endswith("range lines/s") for text in bars[0].texts)
 
 
 def test_files_that_are_there_stay_unless_by_force(track, tmp_path, frame, lines):
@@ -134,6 +393,29 @@ def test_two_inputs_of_one_name_are_refused_before_anything_is_tracked(
     with refusal(f"^{paths[1]}: name: .* found {paths[0]} too"):
         track(paths)
     assert not lines
+
+
+def test_an_image_of_the_name_of_a_segment_is_refused(track, tmp_path, frame):
+    write_image(tmp_path / f"{SEGMENT}.png", np.ones((300, 64), np.uint8))
+    with refusal("name: expected another than that of a segment"):
+        track([write_frame(tmp_path, frame[0]), tmp_path / f"{SEGMENT}.png"])
+
+
+def test_a_line_of_twenty_layers_takes_less_than_250_bytes(track, tmp_path, rng, lines):
+    n_lines = 1000
+    echogram, _ = planted(rng, n_lines=n_lines, n_bins=1200)
+    power = echogram["Data"].values
+    for n in range(16):  # below the four layers that are there
+        below = 1 + 200 * np.exp(-0.5 * ((np.arange(1200) - 300 - 40 * n) / 1.3) ** 2)
+        swell = np.rint(6 * np.sin(2 * np.pi * np.arange(n_lines) / 150)).astype(int)
+        power *= below[(np.arange(1200)[:, None] - swell) % 1200]
+    path = write_frame(tmp_path, echogram)
+    assert track([path]) == 0
+    layers = read_layers(tmp_path / f"out/{SEGMENT}_layers.nc")
+    assert layers.sizes["layer"] == 21
+    assert layers["twtt"].notnull().mean() > 0.95
+    written = [path.stat().st_size for path in (tmp_path / "out").rglob("*") if path.is_file()]
+    assert sum(written) < 250 * n_lines
 
 
 def test_frames_without_number_are_numbered_by_time(track, tmp_path, dataset):
@@ -195,7 +477,8 @@ def test_layers_go_on_in_the_next_frame_unless_a_gap_in_time_is_said(
     assert track(paths) == 0
     said = [line for line in lines if "not linked with frame 1" in line]
     first, second = (
-        set(read_layers(tmp_path / f"out/{path.stem}_layers.nc")["layer"].values) for path in paths
+        set(read_layers(tmp_path / f"out/CSARP_layer/{SEGMENT}/{path.name}")["layer"].values)
+        for path in paths
     )
     assert len(first) == len(second) == 5
     assert len(first & second) == n_shared
@@ -203,12 +486,32 @@ def test_layers_go_on_in_the_next_frame_unless_a_gap_in_time_is_said(
     assert message in "".join(said)
 
 
+def test_range_lines_that_two_frames_have_are_once_in_the_file_of_the_segment(
+    track, tmp_path, rng, lines
+):
+    echogram, _ = planted(rng, n_lines=500)
+    parts = {1: slice(0, 260), 2: slice(200, 500), 3: slice(100, 200)}
+    paths = [write_frame(tmp_path, echogram, number, part) for number, part in parts.items()]
+    assert track(paths) == 0
+    whole = open_segment([tmp_path / f"out/{SEGMENT}_layers.nc"])
+    formats.check_times(whole, content_of(echogram)["GPS_time"])
+    names, counts = np.unique(whole["frame"].values.astype(str), return_counts=True)
+    assert dict(zip(names, counts, strict=True)) == {paths[0].stem: 260, paths[1].stem: 240}
+    notes = whole.attrs["notes"]
+    for name, n in ((paths[1].stem, 60), (paths[2].stem, 100)):
+        note = f"{name}: {n} range lines before the end of {paths[0].stem} are left out here"
+        assert note in notes
+        assert sum(note in line for line in lines) == 1
+    folder = tmp_path / "out/CSARP_layer" / SEGMENT
+    assert read_layers(folder / paths[2].name).sizes["slow_time"] == 100
+
+
 def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
     track, tmp_path, frame, lines, monkeypatch
 ):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
     assert track(paths[:1]) == 0
-    monkeypatch.setattr("snowsim.tracking._load_and_detect", None)  # it is not tracked
+    monkeypatch.setattr("snowsim.tracking.segments._load_and_detect", None)  # it is not tracked
     assert track(paths[1:], force=True) == 1
     assert "track all frames of the segment at once, or to another folder" in lines[-1]
     assert f"found {paths[0].name}" in lines[-1]
@@ -224,27 +527,33 @@ def test_frames_that_were_tracked_in_separate_calls_are_refused(weights, tmp_pat
     assert track_files(paths, tmp_path / "both", **options) == 0
     for number, path in enumerate(paths):
         assert track_files([path], tmp_path / f"apart_{number}", **options) == 0
-    both = sorted((tmp_path / "both").glob("*_layers.nc"))
-    for pattern in ("*_layers.nc", "CSARP_layer/*/Data_*.mat"):
-        files = sorted((tmp_path / "both").glob(pattern))
-        assert open_segment(files).attrs["tracked_together"]
-        apart = [
-            tmp_path / f"apart_{number}" / path.relative_to(tmp_path / "both")
-            for number, path in enumerate(files)
-        ]
+    pattern = "CSARP_layer/*/Data_*.mat"
+    both = sorted((tmp_path / "both").glob(pattern))
+    assert open_segment(both).attrs["tracked_together"]
+    apart = [
+        tmp_path / f"apart_{number}" / path.relative_to(tmp_path / "both")
+        for number, path in enumerate(both)
+    ]
+    of_segment = [tmp_path / f"apart_{number}/{SEGMENT}_layers.nc" for number in (0, 1)]
+    for files in (apart, of_segment):
         with refusal("track them in one call.*found 2 calls of track"):
-            open_segment(apart)
-    corrected = tmp_path / "corrected_layers.nc"
-    xr.load_dataset(both[0]).drop_vars("confidence").to_netcdf(corrected)
+            open_segment(files)
+    whole = xr.load_dataset(tmp_path / f"both/{SEGMENT}_layers.nc")
+    frames = []
+    for number, path in enumerate(paths):
+        frames.append(tmp_path / f"{number}_layers.nc")
+        corrected = ["confidence"] if number == 0 else []
+        is_frame = whole["frame"] == path.stem
+        whole.isel(slow_time=is_frame.values).drop_vars(corrected).to_netcdf(frames[-1])
     with pytest.warns(UserWarning, match="1 of 2 frames have no confidence, as a person's"):
-        open_segment([corrected, both[1]])
+        open_segment(frames)
 
 
 def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, dataset, lines):
     (tmp_path / "out").mkdir()
     path = tmp_path / "out/frame.nc"
     dataset.to_netcdf(path)
-    truth = tmp_path / "out/frame_layers.nc"
+    truth = tmp_path / "out/20120330_01_layers.nc"
     truth.write_text("truth")
     assert track([path], force=True) == 1
     assert f"{truth}: file: expected none beside the input" in lines[-1]
@@ -297,13 +606,32 @@ def test_picks_are_drawn_on_the_echogram(track, tmp_path, frame):
     assert (coloured.sum(axis=1) > 500).sum() >= 5
 
 
+def test_a_long_frame_is_drawn_in_pieces_of_which_each_has_its_own_lines(
+    track, tmp_path, frame, monkeypatch
+):
+    drawn = []
+
+    def note(path, layers, echograms):
+        drawn.append((path.name, layers["slow_time"].values))
+
+    monkeypatch.setattr("snowsim.tracking.segments.write_picture", note)
+    monkeypatch.setattr("snowsim.tracking.segments.LINES_OF_PICTURE", 140)
+    path = write_frame(tmp_path, frame[0])
+    assert track([path], png=True) == 0
+    assert [name for name, _ in drawn] == [f"{path.stem}_picks_0{n}.png" for n in (1, 2, 3)]
+    whole = read_layers(tmp_path / f"out/{SEGMENT}_layers.nc")
+    assert_array_equal(np.concatenate([times for _, times in drawn]), whole["slow_time"])
+    (tmp_path / f"out/{path.stem}_picks_02.png").touch()
+    (tmp_path / f"out/{SEGMENT}_layers.nc").unlink()
+    assert track([path], png=True) == 1  # a picture is there
+
+
 def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, frame, lines, monkeypatch):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
-    monkeypatch.setattr("snowsim.tracking.write_picture", lambda *_: {}["no such axis"])
+    monkeypatch.setattr("snowsim.tracking.segments.write_picture", lambda *_: {}["no such axis"])
     assert track(paths, png=True) == len(paths)
     assert "picks.png: picture: expected layers that can be drawn, found KeyError" in lines[-1]
-    for path in paths:
-        assert read_layers(tmp_path / "out" / f"{path.stem}_layers.nc").sizes["layer"] > 1
+    assert read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc").sizes["layer"] > 1
 
 
 def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, dataset, capsys):
@@ -312,7 +640,7 @@ def test_the_command_tracks_and_tells_by_its_exit_code(weights, tmp_path, datase
     arguments = ["track", str(path), "-o", str(tmp_path / "out"), "--model", str(weights)]
     main(arguments)
     said = capsys.readouterr()
-    assert f"{tmp_path / 'out' / 'frame_layers.nc'}: 4 layers below the surface" in said.out
+    assert f"{tmp_path / 'out' / '20120330_01_layers.nc'}: 4 layers below the surface" in said.out
     # Without a segment in its name, the day is one.
     assert (tmp_path / "out/CSARP_layer/20120330_01/Data_20120330_01_001.mat").is_file()
     with pytest.raises(SystemExit) as stopped:

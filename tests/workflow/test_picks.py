@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 import yaml
 from planted_layers import SEGMENT, content_of, planted, ridge_weights, write_weights
-from runs import lines_with, run_snakemake, settings
+from processes import ROOT
+from runs import lines_with, parsed, run_snakemake, settings
 
-from lib.sources import frames_to_track, own_frames
+from lib.sources import ROLES, frames_to_track, keep, kept, observed, own_frames
 
 OTHER = "20120507_03"
 
@@ -42,6 +43,37 @@ def test_frames_to_track_are_none_of_the_flight_s(tmp_path):
     assert own_frames(table).keys() == set(roles)
 
 
+def test_a_job_gets_its_frames_without_reading_the_table(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / f"Data_{SEGMENT}_001.mat").touch()
+    (tmp_path / f"Data_{OTHER}_001.mat").touch()
+    table = table_of(tmp_path, [f"{SEGMENT}_001", f"{OTHER}_001"])
+    assert kept(table, 1, 1) is None
+    jobs = frames_to_track(table, 1)
+    keep(table, 1, jobs)
+    monkeypatch.setattr("snowsim.io.frames.read_frames", None)
+    assert [kept(table, 1, number) for number in (0, 1, 2)] == [*jobs, None]
+    assert kept(table, 2, 0) is None
+    # Own frames of the flight, too.
+    keep(table, ROLES, [{"test": jobs[0]}])
+    own = {"source": "cresis", "import": {"frames": table}}
+    assert observed(own, is_job=True) == {"test": jobs[0]}
+    table.write_text(table.read_text() + "\n")  # it was changed
+    assert kept(table, 1, 0) is None
+
+
+def test_tracking_has_one_output_and_the_cluster_s_profile_checks_no_contents(tmp_path):
+    plan = parsed(tmp_path)
+    (rule,) = [rule for rule in plan.rules if rule.name == "track_frames"]
+    assert len(rule.output) == 1  # Snakemake reads all inputs once for each
+    profiles = {
+        name: yaml.safe_load((ROOT / f"profiles/{name}/config.yaml").read_text())
+        for name in ("default", "slurm")
+    }
+    assert "max-checksum-file-size" in profiles["default"]
+    assert "max-checksum-file-size" not in profiles["slurm"]
+
+
 @pytest.mark.slow
 def test_frames_are_tracked_without_annotation(tmp_path, rng):
     echogram, _ = planted(rng)
@@ -59,4 +91,7 @@ def test_frames_are_tracked_without_annotation(tmp_path, rng):
     assert table["n_layers"].tolist() == [4, 0]
     assert bad.name in table["remarks"].iloc[1]
     assert lines_with(done, "warning: 1 of 2 frames could not be tracked")
+    assert (tmp_path / "run/.snakemake/frames").is_dir()
+    used = pd.read_csv(results / "benchmarks/track_frames/0000.tsv", sep="\t")
+    assert 100 < used["max_rss"].iloc[0] < 700  # [MB], which the rule asks for beside its inputs
     assert (results / f"picks/0000/CSARP_layer/{SEGMENT}/{good.name}").is_file()

@@ -4,13 +4,22 @@ Readers are imported where they are used, since every start of the workflow runs
 needs the readers of one source only.
 """
 
+import hashlib
+import json
+import os
 from pathlib import Path
 
+# What the head process found in the table of frames, for the processes of its jobs, in the folder
+# of the run. A table of 100,000 frames takes seconds to read and check, a line of it nothing.
+KEPT = Path(".snakemake/frames")
 ROLES = ("statistics", "train", "test")  # roles that need a frame; validation may have none
 
 
-def observed(config):
-    """Own frames (rows of their table) or pairs of images, by role; empty for the reference."""
+def observed(config, is_job=False):
+    """Own frames (rows of their table) or pairs of images, by role; empty for the reference.
+
+    The process of a job takes own frames as the head process found them.
+    """
     source = config["source"]
     own = config["import"]
     if source == "reference":
@@ -19,7 +28,38 @@ def observed(config):
     if source == "png_pairs":
         pairs = own["pairs"]
         return own_pairs(pairs["folder"], pairs["lists"])
-    return own_frames(own["frames"])
+    frames = kept(own["frames"], ROLES, 0) if is_job else None
+    if frames is None:
+        frames = own_frames(own["frames"])
+        keep(own["frames"], ROLES, [frames])
+    return frames
+
+
+def _kept_file(path_to_table, purpose):
+    """File of what was found in a table, which has another name once the table was changed."""
+    table = os.stat(path_to_table)
+    state = [os.path.abspath(path_to_table), table.st_mtime_ns, table.st_size, purpose]
+    return KEPT / f"{hashlib.sha256(repr(state).encode()).hexdigest()[:16]}.jsonl"
+
+
+def keep(path_to_table, purpose, found):
+    """Write what the head process found in the table for some purpose, a line for each job."""
+    path = _kept_file(path_to_table, purpose)
+    if path.exists():
+        return
+    KEPT.mkdir(parents=True, exist_ok=True)
+    aside = path.with_suffix(f".{os.getpid()}")
+    aside.write_text("".join(f"{json.dumps(each)}\n" for each in found))
+    aside.replace(path)
+
+
+def kept(path_to_table, purpose, number):
+    """What `keep` wrote for a job; None if it did not, or the table was changed since."""
+    try:
+        with _kept_file(path_to_table, purpose).open() as lines:
+            return next((json.loads(line) for n, line in enumerate(lines) if n == number), None)
+    except OSError:
+        return None
 
 
 def check_reference(reference, flight):

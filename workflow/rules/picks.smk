@@ -3,19 +3,19 @@
 
 rule track_frames:
     input:
-        echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
+        echograms=lambda w: [row["echogram"] for row in frames_of_job(w.shard)],
         tracker=sources.own_tracker(OWN["tracker"]),
     output:
         folder=directory("results/picks/{shard}"),
-        table="results/tables/tracked_frames/{shard}.csv",
     log:
         "logs/track_frames/{shard}.log",
     benchmark:
         "results/benchmarks/track_frames/{shard}.tsv"
     resources:
-        mem_mb=4000,
+        # Measured: up to 550 MB for 10 frames of 1,000 lines (23 MB of files), 1,030 for a segment of 50 (115 MB).
+        mem_mb=lambda wildcards, input, attempt: attempt * (700 + math.ceil(8 * input.size_mb)),
     params:
-        frames=lambda w: [row["frame"] for row in frames_by_job()[w.shard]],
+        frames=lambda w: [row["frame"] for row in frames_of_job(w.shard)],
         model=OWN["tracker"],
         shipped=of_checkout(*sources.shipped_tracker(OWN["tracker"])),
     message:
@@ -26,7 +26,7 @@ rule track_frames:
 
 rule tabulate_picks:
     input:
-        tables=lambda w: expand("results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()),
+        folders=lambda w: expand("results/picks/{shard}", shard=frames_by_job()),
     output:
         table="results/tables/tracked_frames.csv",
     log:

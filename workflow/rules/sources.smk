@@ -13,7 +13,7 @@ def numbered(n):
 
 # N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. For own frames both count frames, one in a file,
 # since the number of scenes of a frame is known only once it is cut. CHECK is the table of the check of own files.
-OBSERVED = or_refused(sources.observed, config)
+OBSERVED = or_refused(sources.observed, config, not workflow.is_main_process)
 OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
 if SOURCE == "reference":
     SYNTHETIC = "synthetic reference flight, not observed data"
@@ -51,4 +51,14 @@ FRAME_SHARDS = {
 def frames_by_job():
     """Frames to track, by the number of the job."""
     jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
+    sources.keep(OWN["frames"], FRAMES_PER_JOB, jobs)
     return dict(zip(numbered(len(jobs)), jobs))
+
+
+@cache
+def frames_of_job(shard):
+    """Frames that a job tracks. Its own process does not read the whole table for them."""
+    kept = None
+    if not workflow.is_main_process:
+        kept = sources.kept(OWN["frames"], FRAMES_PER_JOB, int(shard))
+    return kept or frames_by_job()[shard]

@@ -1,6 +1,7 @@
 """Table of the picks of all own frames, with a warning if frames could not be tracked."""
 
 import sys
+from pathlib import Path
 
 import pandas as pd
 from job import job
@@ -9,7 +10,8 @@ from tqdm import tqdm
 from snowsim.io.files import read_table, write_table
 
 with job(snakemake):
-    found = pd.concat([read_table(path) for path in snakemake.input.tables])
+    tables = [read_table(Path(folder) / "frames.csv") for folder in snakemake.input.folders]
+    found = pd.concat(tables)
     table = snakemake.output.table
     write_table(table, found)
     failed = found.loc[~found["tracked"], "frame"].tolist()

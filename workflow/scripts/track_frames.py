@@ -2,20 +2,23 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from job import job, progress
 
 from snowsim.io.files import read_dataset, write_table
 from snowsim.tracking import track_files
 
+NOT_TRACKED = {"tracked": False, "n_layers": 0, "n_picks": 0}
+
 
 def picked(path):
-    """Layers below the surface and picks of them in a file of layers; none where it is missing."""
-    if not path.exists():
-        return {"tracked": False, "n_layers": 0, "n_picks": 0}
-    twtt = read_dataset(path)["twtt"].values[1:]
-    return {"tracked": True, "n_layers": len(twtt), "n_picks": int(np.isfinite(twtt).sum())}
+    """Numbers of layers below the surface and of their picks in a segment's file, by frame."""
+    is_picked = read_dataset(path)["twtt"][1:].notnull()
+    frames = {}
+    for name, of_frame in is_picked.groupby("frame"):
+        n_layers = int(of_frame.any("slow_time").sum())
+        frames[name] = {"tracked": True, "n_layers": n_layers, "n_picks": int(of_frame.sum())}
+    return frames
 
 
 with job(snakemake) as log:
@@ -29,13 +32,16 @@ with job(snakemake) as log:
         folder,
         model=snakemake.params.model,
         say=said.append,
-        progress=lambda paths: progress(paths, "frames"),
+        progress=lambda total: progress(None, "frames", total),
     )
+    found = {}
+    for path in folder.glob("*_layers.nc"):
+        found |= picked(path)
     rows = []
     for frame, echogram in zip(snakemake.params.frames, echograms, strict=True):
-        found = folder / f"{Path(echogram).stem}_layers.nc"
         lines = [line for line in said if str(echogram) in line]
-        rows.append({"frame": frame, **picked(found), "remarks": "; ".join(lines)})
+        of_frame = found.get(Path(echogram).stem, NOT_TRACKED)
+        rows.append({"frame": frame, **of_frame, "remarks": "; ".join(lines)})
     for line in said:
         log.info(line)
-    write_table(snakemake.output.table, pd.DataFrame(rows))
+    write_table(folder / "frames.csv", pd.DataFrame(rows))

@@ -1,0 +1,446 @@
+"""Tracks one segment: its frames are read one by one, linked, and written together."""
+
+import gc
+import glob
+import hashlib
+import json
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from snowsim import __version__
+from snowsim.echogram import from_uint8
+from snowsim.io import echogram, read_echogram
+from snowsim.io.containers import open_container
+from snowsim.io.echograms import find_supplement
+from snowsim.io.files import (
+    content_of,
+    digest_of,
+    image_format_of,
+    library_errors,
+    noted,
+    picture_format,
+    read_dataset,
+    refusal,
+    written_together,
+)
+from snowsim.io.layers import (
+    TOGETHER,
+    digest_in,
+    join_frames,
+    numbers_in_names,
+    refuse_existing,
+    refuse_other_frames,
+    rounded,
+    segment_files,
+    with_frame,
+    write_layer_files,
+    write_layers,
+)
+from snowsim.io.pairs import BLURRED, read_image
+from snowsim.io.pictures import write_picture
+from snowsim.tracking.trackers import layer_names
+from snowsim.tracking.unfinished import Unfinished
+
+NOT_DRAWN = ("twtt_low", "twtt_high", "confidence")
+LINES_OF_PICTURE = 2000  # most range lines of one
+MOST_LOST = 20  # frames whose detection may be lost; those of longer segments are kept in files
+UNREAD = "unread"  # in place of the digest of a file that cannot be read
+# Attribute of a segment: frames that could not be tracked, and why, as JSON.
+FAILED = "failed"
+
+# A frame follows another if it begins within this time after the end of the other, or within the
+# time of this many range lines, whichever is longer.
+PAUSE_S = 2.0
+PAUSE_LINES = 5
+# Limits of the decibels that the greys of an image span where it does not say. Within them, the
+# span makes its darkest row the noise floor.
+CONTRASTS_DB = (20.0, 100.0)
+EDGE_ROWS = 24  # rows of a picture above its layers, and below them
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where and how layers are written: arguments of `track_files`."""
+
+    folder: Path
+    png: bool
+    bin_s: float | None
+    force: bool
+    resume: bool
+
+    @property
+    def replaces(self):
+        """Whether files are written over; with `resume` they were found to be this run's."""
+        return self.force or self.resume
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """A file and the candidates for layers that were detected in it.
+
+    `gap` is the note that says why this frame is not linked with the one before, else None.
+    """
+
+    path: Path
+    segment: str | None
+    number: int | None
+    evidence: object
+    notes: tuple
+    gap: str | None = None
+
+
+def track_segment(tracker, files, output, say, advance):
+    """Track the `File` of a segment, or one image, and write its layers; the number that failed.
+
+    `say` is called with one line for each note, error and file written, `advance` after each file,
+    with the number of its range lines.
+    """
+    try:
+        left = _written_before(tracker.card, files, output) if output.resume else None
+        if left is not None:
+            for _ in files:
+                advance(0)
+            return _leave(left, files, output, say)
+        _refuse_outputs(files, output)
+    except (ValueError, OSError) as error:
+        say(f"error: {error}")
+        for _ in files:
+            advance(0)
+        return len(files)
+    unfinished = Unfinished(output.folder, tracker.card) if len(files) > MOST_LOST else None
+    frames, digests, failed = _detected(tracker, files, output, unfinished, say, advance)
+    if not frames:
+        return len(files)
+    attributes = {TOGETHER: _together(tracker.card, digests, output.bin_s)}
+    if failed:
+        attributes[FAILED] = json.dumps(failed)
+    try:
+        written = _link_and_write(tracker, frames, attributes, output, say)
+        if unfinished is not None:
+            unfinished.remove()
+        # Last, so that a picture that cannot be drawn stops no file.
+        for frame in frames if output.png else ():
+            _draw_picks(frame.path, written, output)
+    except (ValueError, OSError) as error:
+        say(f"error: {error}")
+        return len(files)
+    return len(failed)
+
+
+def _detected(tracker, files, output, unfinished, say, advance):
+    """List of `_Frame`, digests of all files, and the errors of those that failed, by name."""
+    frames = []
+    digests = []
+    failed = {}
+    for file in files:
+        digests.append(UNREAD)
+        try:
+            content, digests[-1] = _content_and_digest(file.path)
+            frame = _load_and_detect(tracker, file, content, digests[-1], output, unfinished)
+        except (ValueError, OSError) as error:
+            failed[file.path.stem] = str(error)
+            say(f"error: {error}")
+            advance(0)
+            continue
+        for note in frame.notes:
+            say(f"{file.path}: {note}")
+        frames.append(frame)
+        advance(frame.evidence.slow_time.size)
+    return frames, digests, failed
+
+
+def _content_and_digest(path):
+    """Bytes of a file, none of a folder; and the digest of these and of the supplement beside."""
+    content = content_of(path)
+    digest = digest_of(path, content)
+    supplement = find_supplement(path)
+    if supplement is not None:
+        digest += digest_of(supplement, content_of(supplement))
+    return content, digest
+
+
+def _together(card, digests, bin_s):
+    """Digest of the inputs of a segment, in order, of the tracker's card and this version."""
+    digest = hashlib.sha256(f"{card} {__version__} {bin_s}".encode())
+    for each in digests:
+        digest.update(each.encode())
+    return digest.hexdigest()[:16]
+
+
+def _written_before(card, files, output):
+    """Layers of a segment that was written whole, by the same tracker from the same inputs.
+
+    None if there are none or not all files, or if one is damaged: such files are written anew.
+    ValueError if they were made of other inputs or by another tracker, unless `output.force`.
+    """
+    path = layers_file(output.folder, files[0])
+    segment = files[0].segment
+    numbers = [file.number for file in files]
+    *of_frames, organizer = segment_files(output.folder, segment, numbers) if segment else [path]
+    there = [each for each in (*of_frames, path) if each.exists()]
+    if not there:
+        return None
+    digests = []
+    for file in files:
+        digests.append(UNREAD)
+        with suppress(ValueError, OSError):
+            _, digests[-1] = _content_and_digest(file.path)
+    together = _together(card, digests, output.bin_s)
+    whole = set()
+    for each in there:
+        try:
+            found = digest_in(each)
+        except ValueError:
+            continue
+        if found == together:
+            whole.add(each)
+        elif not output.force:
+            wanted = f"{together}, that of these inputs and this tracker, or --force (force=True)"
+            raise refusal(each, TOGETHER, wanted, found)
+    if path not in whole or not organizer.exists():
+        return None
+    layers = read_dataset(path)
+    failed = json.loads(layers.attrs.get(FAILED, "{}"))
+    needed = zip(files, of_frames, strict=True) if segment else ()
+    is_whole = all(file.path.stem in failed or each in whole for file, each in needed)
+    return layers.drop_vars(NOT_DRAWN) if is_whole else None
+
+
+def _leave(layers, files, output, say):
+    """Draw the pictures that are missing; the number of frames that failed, each with its line."""
+    failed = json.loads(layers.attrs.get(FAILED, "{}"))
+    for message in failed.values():
+        say(f"error: {message}")
+    say(f"{layers_file(output.folder, files[0])}: it was written before")
+    for file in files if output.png else ():
+        if file.path.stem not in failed and not _pictures(output.folder, file.path):
+            _draw_picks(file.path, layers, output)
+    return len(failed)
+
+
+def _refuse_outputs(files, output):
+    """Refuse outputs that exist, and a folder that holds layer files of other frames."""
+    folder = output.folder
+    if files[0].segment is not None:
+        refuse_other_frames(folder, files[0].segment, [file.number for file in files])
+    outputs = [layers_file(folder, files[0])]
+    outputs += [path for file in files if output.png for path in _pictures(folder, file.path)]
+    inputs = {file.path.resolve().parent for file in files}
+    for path in outputs:
+        if path.exists() and folder.resolve() in inputs:
+            wanted = "none beside the input, also with force (give another folder)"
+            raise refusal(path, "file", wanted, "one")
+        if not output.replaces:
+            refuse_existing(path)
+
+
+def layers_file(folder, file):
+    """File of the layers of a `File` and its whole segment, or of an image."""
+    return folder / f"{file.segment or file.path.stem}_layers.nc"
+
+
+def _pictures(folder, path):
+    """Files of the picks drawn on the echogram of an input that are there."""
+    stem = f"{glob.escape(path.stem)}_picks"
+    return sorted([*folder.glob(f"{stem}.png"), *folder.glob(f"{stem}_[0-9][0-9].png")])
+
+
+def _load_and_detect(tracker, file, content, digest, output, unfinished):
+    """`_Frame` of a `File` from its content; its evidence is kept if `unfinished` is given."""
+    path = file.path
+    if file.segment is None:
+        echogram = _image_as_echogram(path, content, output.bin_s)
+        evidence = tracker.detect(echogram, str(path))
+        notes = list(evidence.notes)
+        if picture_format(content) == "JPEG":
+            notes.append(BLURRED)
+        row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
+        if min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db):
+            notes.append(
+                "the picture is bright above and below: expected bright layers on a dark ground"
+            )
+        return _Frame(path, None, None, evidence, tuple(notes))
+    evidence = unfinished.read(digest) if unfinished and output.resume else None
+    if evidence is None:
+        with noted(path) as told:
+            echogram = read_echogram(open_container(path, content))
+        evidence = tracker.detect(echogram, str(path))
+        evidence = evidence.with_notes(told)
+        if unfinished:
+            unfinished.keep(digest, evidence)
+    return _Frame(path, file.segment, file.number, evidence, evidence.notes)
+
+
+def _image_as_echogram(path, content, bin_s):
+    """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds."""
+    if bin_s is None:
+        raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
+    image, numbers = read_image(path, content=content)
+    floor_db = numbers.get("noise_floor_db", 0.0)
+    darkest = image.mean(axis=1).min()
+    contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
+    power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
+    power = (10 ** (power_db / 10)).astype(np.float32)
+    twtt = bin_s * np.arange(len(power))
+    return echogram(power, twtt=twtt, attrs={"source_format": "image"})
+
+
+def _link_and_write(tracker, frames, attributes, output, say):
+    """Link the frames of a segment, or of one image, and write their layers; what is drawn."""
+    folder = output.folder
+    segment = frames[0].segment
+    path = layers_file(folder, frames[0])
+    found, notes = _linked(tracker, frames, say)
+    if segment is None:
+        written = _with_rows(found[0], output.bin_s)
+    else:
+        of_frames = {"day_seg": segment, TOGETHER: attributes[TOGETHER]}
+        found = [layers.assign_attrs(of_frames) for layers in found]
+        parts, of_times = _one_after_another(found)
+        for note in of_times:
+            say(f"{path}: {note}")
+        notes += of_times
+        written = join_frames(parts) if len(parts) > 1 else parts[0]
+    is_picked = written["twtt"].notnull().any("slow_time")
+    is_picked[0] = True
+    if not is_picked.all():
+        written = written.isel(layer=is_picked.values)
+    written = written.assign_attrs(notes="; ".join(notes), **attributes)
+    with written_together():
+        # Begun first and renamed last: where it is, the segment is whole.
+        write_layers(path, written, force=output.replaces)
+        if segment is not None:
+            by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
+            write_layer_files(folder, segment, by_number, force=output.replaces)
+    n_picks = int(written["twtt"][1:].notnull().sum())
+    say(f"{path}: {written.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
+    return written.drop_vars(NOT_DRAWN)
+
+
+def _linked(tracker, frames, say):
+    """Layers of the frames of a segment, rounded, a list of datasets; and notes on them."""
+    found = []
+    notes = []
+    for run in _runs(frames):
+        if run[0].gap is not None:
+            say(f"{run[0].path}: {run[0].gap}")
+        picked = tracker.pick_together([frame.evidence for frame in run])
+        picked = _renumbered(picked, found)
+        for frame in run:
+            of_frame = [*frame.notes, *([frame.gap] if frame.gap else [])]
+            notes += [f"{frame.path.stem}: {note}" for note in of_frame]
+            # Taken from the list, so that what is not rounded is not kept: it may be large.
+            found.append(rounded(with_frame(picked.pop(0), frame.path.stem)))
+    return found, notes
+
+
+def _runs(frames):
+    """Frames of a segment that follow one another without a gap, list of lists.
+
+    A new run begins where a frame is missing. It also begins where a frame is too early or too late
+    or has another averaging; that frame then has a `gap`.
+    """
+    runs = []
+    for frame in frames:
+        last = runs[-1][-1] if runs else None
+        if last is None or frame.number != last.number + 1:
+            runs.append([frame])
+            continue
+        reason = _why_apart(last, frame)
+        if reason is None:
+            runs[-1].append(frame)
+        else:
+            gap = f"not linked with frame {last.number}: {reason}"
+            runs.append([replace(frame, gap=gap)])
+    return runs
+
+
+def _why_apart(last, frame):
+    """Reason not to link a frame with the last one before it, or None."""
+    before, after = last.evidence, frame.evidence
+    pause_s = (after.slow_time[0] - before.slow_time[-1]) / np.timedelta64(1, "s")
+    lines_s = PAUSE_LINES * max(_interval_s(before.slow_time), _interval_s(after.slow_time))
+    longest_s = max(PAUSE_S, lines_s)
+    if pause_s <= 0:
+        return f"it begins {-pause_s:.3g} s before that ends"
+    if pause_s > longest_s:
+        return f"it begins {pause_s:.3g} s after that ends, more than {longest_s:.3g} s"
+    if after.n_averaged == before.n_averaged:
+        return None
+    return f"of its range lines {after.n_averaged} are averaged, of that {before.n_averaged}"
+
+
+def _interval_s(slow_time):
+    """Median time between range lines [s], 0 for a single range line."""
+    steps = np.diff(slow_time) / np.timedelta64(1, "s")
+    return float(np.median(steps)) if steps.size else 0.0
+
+
+def _renumbered(layers_of_run, before):
+    """Layers of a run, numbered after those of the runs before it; all share the surface."""
+    n_above = max((int(numbers_in_names(layers).max()) for layers in before), default=0)
+    return [
+        layers.assign_coords(layer=layer_names(numbers_in_names(layers) + n_above))
+        for layers in layers_of_run
+    ]
+
+
+def _one_after_another(found):
+    """Layers of frames in order of time, without range lines before the end of another frame.
+
+    Also a list of notes on these lines. Their layers have no common names with the other's.
+    """
+    parts = []
+    notes = []
+    for layers in sorted(found, key=lambda layers: layers["slow_time"].values[0]):
+        if parts:
+            later = layers["slow_time"].values > parts[-1]["slow_time"].values[-1]
+            if not later.all():
+                names = [each["frame"].values[0] for each in (layers, parts[-1])]
+                notes.append(
+                    f"{names[0]}: {(~later).sum()} range lines before the end of {names[1]} are "
+                    "left out here; the layer file of the frame has them"
+                )
+            layers = layers.isel(slow_time=later)
+        if layers.sizes["slow_time"]:
+            parts.append(layers)
+    return parts, notes
+
+
+def _with_rows(layers, bin_s):
+    """Layers of an image with the rows of their picks."""
+    rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
+    layers = layers.assign(row=rows)
+    layers["slow_time"].attrs["comment"] = "invented: a picture holds no times"
+    return layers
+
+
+def _draw_picks(path, layers, output):
+    """Draw the picks of a file, which `layers` of its segment have, on its echogram.
+
+    A long frame has several pictures. The file is read once more, because the samples of all frames
+    of a segment do not fit into memory, and which samples are drawn depends on the picks.
+    """
+    picture = output.folder / f"{path.stem}_picks.png"
+    with library_errors(picture, "picture: expected layers that can be drawn"):
+        is_image = image_format_of(path) is not None
+        with noted(path):  # as when it was tracked
+            if is_image:
+                drawn_on = _image_as_echogram(path, content_of(path), output.bin_s)
+            else:
+                drawn_on = read_echogram(path)
+        gc.collect()  # bytes of the file, which are in a cycle of references: .1 GB of 50,000 lines
+        of_frame = np.flatnonzero(layers["frame"] == path.stem)
+        n_pictures = -(-of_frame.size // LINES_OF_PICTURE)
+        with written_together():
+            for number, lines in enumerate(np.array_split(of_frame, max(n_pictures, 1)), 1):
+                part = layers.isel(slow_time=lines)
+                is_drawn = part["twtt"].notnull().any("slow_time").values
+                is_drawn[0] = True
+                if n_pictures > 1:
+                    picture = output.folder / f"{path.stem}_picks_{number:02d}.png"
+                if lines.size:  # all lines of a frame may be another's, too
+                    write_picture(picture, part.isel(layer=is_drawn), [drawn_on])
