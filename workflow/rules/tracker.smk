@@ -7,12 +7,7 @@ MOST_GRADIENTS = max(N_GRADIENTS[name] for name in TRAINING_SETS)
 EQUAL_SETS = {
     name: name if N_GRADIENTS[name] == MOST_GRADIENTS else f"{name}_equal" for name in TRAINING_SETS
 }
-
-
-def with_gradients(n_gradients):
-    """Settings of the trackers' trainings with a number of gradients; that of the recipe if None."""
-    settings = TRACKER["training"]
-    return settings if n_gradients is None else settings | {"n_steps": n_gradients}
+SETTINGS = {name: TRACKER["training"] | {"n_steps": n} for name, n in N_GRADIENTS.items()}
 
 
 rule train_tracker:
@@ -41,7 +36,7 @@ rule train_tracker:
         device=TRACKER["device"],
         n_epochs=TRACKER["n_epochs"],
         data={"added_per_real": TRACKER["added_per_real"]},
-        settings=lambda w: with_gradients(N_GRADIENTS.get(w.training_set)),
+        settings=lambda w: SETTINGS.get(w.training_set, TRACKER["training"]),
         checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_tracker/{{training_set}}/{{replica}}",
@@ -60,7 +55,7 @@ use rule train_tracker as train_equal with:
     benchmark:
         "results/benchmarks/train_equal/{training_set}/{replica}.tsv"
     params:
-        settings=with_gradients(MOST_GRADIENTS),
+        settings=TRACKER["training"] | {"n_steps": MOST_GRADIENTS},
         checkpoint=f"{CHECKPOINTS}/train_equal_{{training_set}}_{{replica}}.safetensors",
         events=f"{EVENTS}/train_equal/{{training_set}}/{{replica}}",
     message:

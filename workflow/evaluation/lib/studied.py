@@ -75,3 +75,8 @@ def studied_set(name):
 def first_scenes(n_real, with_pd):
     """Name of the set with the first scenes of RD, alone or with PHY's."""
     return f"rd_first_{n_real}" + ("_pd" if with_pd else "")
+
+
+def scored(budgets, split, table):
+    """Paths of one `table`, scores or depths, on a split: a file a set and number of gradients."""
+    return [f"results/studies/{name}/{n}/{split}_{table}.csv" for name, n in budgets]

@@ -13,8 +13,8 @@ CURVE = [
 
 use rule score_flight as score_annotation with:
     input:
-        scores=scored(CURVE, "validation", "scores"),
-        depths=scored(CURVE, "validation", "depths"),
+        scores=studied.scored(CURVE, "validation", "scores"),
+        depths=studied.scored(CURVE, "validation", "depths"),
     output:
         scores="results/one_flight/annotation.csv",
         depths="results/one_flight/annotation_depths.csv",

@@ -14,8 +14,8 @@ BUDGETS = [
 
 rule tabulate_budgets:
     input:
-        scores=scored(BUDGETS, "validation", "scores"),
-        depths=scored(BUDGETS, "validation", "depths"),
+        scores=studied.scored(BUDGETS, "validation", "scores"),
+        depths=studied.scored(BUDGETS, "validation", "depths"),
     output:
         budgets="results/studies/budgets.csv",
         depths="results/studies/budgets_depths.csv",

@@ -21,8 +21,8 @@ wildcard_constraints:
 
 rule score_flight:
     input:
-        scores=scored(FLOWN_SETS, "test", "scores"),
-        depths=scored(FLOWN_SETS, "test", "depths"),
+        scores=studied.scored(FLOWN_SETS, "test", "scores"),
+        depths=studied.scored(FLOWN_SETS, "test", "depths"),
     output:
         scores="results/one_flight/flights.csv",
         depths="results/one_flight/flights_depths.csv",

@@ -21,11 +21,6 @@ wildcard_constraints:
     n_gradients=r"\d+",
 
 
-def scored(budgets, split, table):
-    """Files of one `table`, scores or depths, on a split, of pairs of a set and a number of gradients."""
-    return [f"results/studies/{name}/{n}/{split}_{table}.csv" for name, n in budgets]
-
-
 rule cut_flight:
     input:
         echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
@@ -76,7 +71,9 @@ use rule render_cgan as render_cgan_as_picked with:
     benchmark:
         "results/benchmarks/render_cgan_as_picked/{shard}.tsv"
     resources:
+        mem_mb=3000,
         results_mb=lambda w: scenes_mb("labels", w.shard, 220),
+        gpu=int(CGAN["device"] == "cuda"),
     message:
         "renders by the cGAN of picks as they are, shard {wildcards.shard}"
 
