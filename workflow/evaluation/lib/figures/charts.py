@@ -68,7 +68,7 @@ def plot_task(ax, budgets):
         style["linestyle"] = ":" if is_variant else "-"
         rows = means[means["training_set"] == point.training_set]
         label = f"{shown.about}: {point.ods:.3f}, {point.n_gradients} gradients"
-        ax.plot("cost", "ods", data=rows, markersize=3, linewidth=0.9, **style)
+        ax.plot(rows["cost"], rows["ods"], markersize=3, linewidth=0.9, **style)
         ax.plot(point.cost, point.ods, markersize=7, label=label, **style)
     ax.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
     ax.set(xscale="log", xlabel="core-seconds to make scenes and train a tracker")
