@@ -97,7 +97,7 @@ def test_the_study_of_choices_leaves_a_loss_for_every_part(tmp_path):
     run_snakemake(tmp_path, "--", "study_choices", timeout=3600)
     losses = pd.read_csv(tmp_path / "results/studies/choices/losses.csv")
     assert set(losses["part"]) == set(PARTS)
-    assert losses[["mean", "low", "high", "flight_1101", "flight_1102"]].notna().all(axis=None)
+    assert losses[["mean", "low", "high", "flight_1104", "flight_1105"]].notna().all(axis=None)
 
 
 @pytest.mark.study
