@@ -42,6 +42,11 @@ force_folder_option = click.option(
 force_files_option = click.option(
     "--force", is_flag=True, help="Replace files that exist; without it, they are refused."
 )
+density_option = click.option(
+    "--density",
+    help="Density of the snow [kg m-3], or the file of a measured profile; by default, density "
+    "grows with depth from 340.",
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -701,11 +706,7 @@ def track(files, folder, **options):
     help="File of the results: NAME.csv, NAME.nc or, with snowsim[gis], NAME.gpkg; means by year "
     "are written to NAME_years.csv beside it.",
 )
-@click.option(
-    "--density",
-    help="Density of the snow [kg m-3], or the file of a measured profile; by default, density "
-    "grows with depth from 340.",
-)
+@density_option
 @click.option(
     "--temperature-k",
     type=float,
@@ -849,11 +850,7 @@ def echo_accumulation(path, n_rows, found, temperature_k):
     default=0.25,
     help="Largest difference in mass between matched layers [years of accumulation].",
 )
-@click.option(
-    "--density",
-    help="Density of the snow [kg m-3], or the file of a measured profile; by default, density "
-    "grows with depth from 340.",
-)
+@density_option
 @click.option(
     "--temperature-k",
     type=float,
