@@ -84,13 +84,16 @@ def test_losses_are_paired_by_flight_and_training():
     for flight, level in ((1101, 0.8), (1102, 0.7)):
         for replica, shift in enumerate((0.0, 0.01, 0.02)):
             rows += [
-                (flight, WHOLE, replica, level + shift),
-                (flight, "decay", replica, level + shift - 0.03),
-                (flight, "fading", replica, level + shift - 0.001),
+                (flight, WHOLE, replica, level + shift, 0.6),
+                (flight, "power", replica, level + shift - 0.03, level),
+                (flight, "noise", replica, level + shift - 0.001, 0.6),
             ]
-    scores = pd.DataFrame(rows, columns=["flight", "training_set", "replica", "ods"])
+    columns = ["flight", "training_set", "replica", "ods", "told_apart"]
+    scores = pd.DataFrame(rows, columns=columns)
     table = choice_table(scores).set_index("part")
-    assert list(table.index) == ["decay", "fading"]
+    assert list(table.index) == ["power", "noise"]
     assert_allclose(table[["mean", "low", "high"]].T, [[0.03, 0.001]] * 3)
-    assert list(table["goes"]) == [False, True]
-    assert_allclose(table.loc["decay", ["flight_1101", "flight_1102"]].astype(float), 0.03)
+    assert list(table["costs_little"]) == [False, True]
+    assert_allclose(table["told_apart"], [0.75, 0.6])
+    assert_allclose(table["whole_told_apart"], 0.6)
+    assert_allclose(table.loc["power", ["flight_1101", "flight_1102"]].astype(float), 0.03)

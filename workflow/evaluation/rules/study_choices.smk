@@ -1,6 +1,7 @@
 # The study of choices: what each part of the scene model is worth to a tracker that is trained on PHY's scenes alone. On
 # flights that serve for choosing, the part is left out of the statistics, scenes are drawn and rendered anew, and
-# trackers that are trained on these are scored on validation scenes.
+# trackers that are trained on these are scored on validation scenes. Beside it, how often a network tells such scenes from
+# observed ones.
 
 from evaluation.lib import choices
 
@@ -102,10 +103,25 @@ use rule score_studied as score_without with:
         "edge scores without {wildcards.part}"
 
 
-use rule score_flight as score_choices with:
+use rule compare_scenes as compare_without with:
+    input:
+        observed=benchmark_files("train"),
+        phy=lambda w: expand(rules.render_without.output.scenes, part=w.part, shard=DRAWN_SHARDS),
+    output:
+        two_sample="results/choices/{part}/two_sample.csv",
+    log:
+        "logs/compare_without/{part}.log",
+    benchmark:
+        "results/benchmarks/compare_without/{part}.tsv"
+    message:
+        "scenes without {wildcards.part} beside observed ones: can they be distinguished"
+
+
+rule score_choices:
     input:
         scores=expand("results/choices/{part}/scores.csv", part=PARTS),
         depths=expand("results/choices/{part}/depths.csv", part=PARTS),
+        two_sample=expand("results/choices/{part}/two_sample.csv", part=PARTS),
     output:
         scores="results/one_flight/choices.csv",
         depths="results/one_flight/choices_depths.csv",
@@ -114,7 +130,9 @@ use rule score_flight as score_choices with:
     benchmark:
         "results/benchmarks/score_choices/all.tsv"
     message:
-        "edge scores without each part"
+        "edge scores and distinguished scenes without each part"
+    script:
+        "../scripts/score_choices.py"
 
 
 # All flights.

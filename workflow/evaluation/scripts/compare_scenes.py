@@ -1,4 +1,4 @@
-"""Observed train scenes beside label sets as PHY and cGAN render them: the two-sample test."""
+"""Observed train scenes beside rendered label sets, the sets of the input: the two-sample test."""
 
 from functools import partial
 from itertools import islice
@@ -13,8 +13,8 @@ from snowsim.seeding import random_stream
 with job(snakemake):
     params = snakemake.params
     sets = {}
-    for name in ("observed", "phy", "cgan"):
-        with SceneSet(snakemake.input[name]) as scenes:
+    for name, paths in snakemake.input.items():
+        with SceneSet(paths) as scenes:
             sets[name] = list(islice(scenes, params.n_scenes))
     n = min(map(len, sets.values()))
     for scenes in sets.values():
