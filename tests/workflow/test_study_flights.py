@@ -12,6 +12,7 @@ from evaluation.lib.figures.charts import plot_task
 from evaluation.lib.figures.style import new_panel
 from evaluation.lib.flight_scores import ROLES
 from evaluation.lib.studied import SETS, first_scenes, studied_set
+from snowsim.io.scenes import SceneSet
 
 
 def jobs_of(workflow, name):
@@ -113,6 +114,19 @@ def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_pa
     assert len(ax.get_legend().texts) == len(SETS)
     depths = pd.read_csv(tmp_path / "results/studies/budgets_depths.csv")
     assert (depths["n_found"] <= depths["n_true"]).all()
+
+
+@pytest.mark.study
+def test_the_study_of_compute_leaves_a_row_for_every_training(tmp_path):
+    run_snakemake(tmp_path, "--", "study_compute", timeout=3600)
+    table = pd.read_csv(tmp_path / "results/studies/compute.csv")
+    assert table[["n_scenes", "width", "n_gradients"]].values.tolist() == [[2, 2, 4], [7, 3, 6]]
+    assert table["ods"].between(0, 1).all()
+    renders = tmp_path / "results/studies/compute"
+    more, few = (SceneSet(sorted(renders.glob(f"{n}/phy/*.nc"))) for n in (7, 2))
+    with more, few:
+        assert [scene.name for scene in more][:2] == [scene.name for scene in few]
+        assert len(more) == 7
 
 
 @pytest.mark.study
