@@ -64,8 +64,10 @@ DATED_CASES = {
     "cores, a fifth missing": "kind == 'core' and missing == .2",
     "cores, two fifths missing": "kind == 'core' and missing == .4",
 }
+# Of layers, in turn: no two that lie beside each other look alike, on grey.
+LAYER_COLOURS = ("#ffd400", "#ff4d00", "#00c8ff")
 TITLES = (
-    "echogram; right half: layers as tracked",
+    "echogram; right half: layers as tracked (dotted: found on a part of it)",
     "synthetic layers, by PHY",
     "the same, by the cGAN",
 )
@@ -407,7 +409,12 @@ def sample(results):
         ax.set(title=title, xlabel="along track [km]")
     right = np.arange(N_LINES // 2, N_LINES)
     below_m = BIN_M * (layer_bins[:, right].T - top - SURFACE_ROW)
-    axes[0].plot(LINE_KM * (right + 0.5), below_m, linewidth=1.2)
+    is_picked = np.isfinite(below_m)
+    depth_of = np.where(is_picked.any(axis=0), np.nanmean(below_m, axis=0), np.inf)
+    for number, layer in enumerate(np.argsort(depth_of)[: is_picked.any(axis=0).sum()]):
+        style = "-" if is_picked[:, layer].all() else ":"
+        colour = LAYER_COLOURS[number % len(LAYER_COLOURS)]
+        axes[0].plot(LINE_KM * (right + 0.5), below_m[:, layer], style, color=colour, linewidth=1.2)
     axes[0].set(ylabel="depth [m]", ylim=depth_m)
     return figure
 

@@ -33,6 +33,11 @@ def table3_intervals(differences, half_width=0.005, outputs=OUTPUTS):
     return table
 
 
+def table3_equal(**ods):
+    """Table III with equal gradients: fused ODS of some sets."""
+    return pd.DataFrame({"output": ["fuse"]} | {f"{name}_ods": [n] for name, n in ods.items()})
+
+
 def closed_loop():
     """Two peak powers 1 and 5 % off, a width a bin off."""
     rows = [("peak_power", 0.01), ("peak_power", -0.05), ("width_bins", 1.0)]

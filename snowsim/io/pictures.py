@@ -15,10 +15,11 @@ TYPICAL_DENSITY_KG_M3 = 350.0  # assumed if depths are not given
 MARGIN_S = 5e-9  # shown above the surface and below the deepest pick
 BLACK_AND_WHITE_PERCENT = (5, 99.7)  # percentiles of power that are black and white
 N_DEPTHS = 800
-NAME_SHARES = (0.05, 0.03)  # width and height of a layer's name, as shares of the picture
+NAME_SHARES = (0.07, 0.037)  # width and height of a layer's name, as shares of the picture
 # Two files round the time of one range line by less than this.
 ROUNDING_OF_TIMES = np.timedelta64(1, "ms")
-YEARS_BETWEEN_BANDS = 5  # the limits of ages are drawn for one year in this many
+AGES_SHARE = 0.2  # width of the panel of ages, as share of the others'
+SURE = 0.8  # probability from which on a date is not flagged
 
 
 def write_picture(path, layers, echograms=(), accumulated=None):
@@ -34,7 +35,17 @@ def write_picture(path, layers, echograms=(), accumulated=None):
         raise ValueError(NO_MATPLOTLIB) from error
     n_panels = 1 if accumulated is None else 2
     figure = Figure(figsize=(11, 1 + 4.5 * n_panels), layout="constrained")
-    panels = figure.subplots(n_panels, sharex=True, squeeze=False)[:, 0]
+    columns = {"ncols": n_panels, "width_ratios": (1, AGES_SHARE)[:n_panels]}
+    panels = figure.subplots(n_panels, sharex="col", squeeze=False, **columns)
+    _draw_record(panels[:, 0], layers, echograms, accumulated)
+    if accumulated is not None:
+        _draw_ages(*panels[:, 1], panels[1, 0], accumulated)
+    with written_whole(path) as aside:
+        figure.savefig(aside, format="png", dpi=110)
+
+
+def _draw_record(panels, layers, echograms, accumulated):
+    """Draw layers on their echograms in the first panel, accumulation in the second, if any."""
     layers = layers.transpose("layer", "slow_time", ...)
     surface = layers["twtt"][0]
     below = layers["twtt"] - surface
@@ -44,24 +55,26 @@ def write_picture(path, layers, echograms=(), accumulated=None):
     if echograms:
         shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
         shown_s = xr.DataArray(np.interp(shown_m, depths_m, times_s), {"depth": shown_m})
-        power_db = xr.concat(
-            [_power_db(_on_lines_of(layers, each), surface + shown_s) for each in echograms],
-            "slow_time",
-        )
-        if power_db.notnull().any():
-            low_db, high_db = np.nanpercentile(power_db, BLACK_AND_WHITE_PERCENT)
-            _draw_image(
-                panels[0], power_db, at, "power [dB]", cmap="gray", vmin=low_db, vmax=high_db
-            )
+        _draw_echograms(panels[0], echograms, layers, at, surface + shown_s)
+    panels[0].set(ylim=depths_m[[-1, 0]])
     _draw_layers(panels[0], layers, distance, np.interp(below, times_s, depths_m))
-    panels[0].set(ylim=depths_m[[-1, 0]], ylabel="depth [m]", xlabel="")
     if accumulated is None:
         panels[0].set_ylabel(f"depth in snow of {TYPICAL_DENSITY_KG_M3:g} kg m$^{{-3}}$ [m]")
     else:
+        panels[0].set_ylabel("depth, by the density of the table [m]")
         _draw_accumulation(panels[1], accumulated, at)
+    panels[0].set(xlabel="")
     panels[-1].set(xlabel=label)
-    with written_whole(path) as aside:
-        figure.savefig(aside, format="png", dpi=110)
+
+
+def _draw_echograms(axes, echograms, layers, at, twtt):
+    """Draw the power of echograms at travel times `twtt` (depth, slow_time) [s] of layers."""
+    power_db = xr.concat(
+        [_power_db(_on_lines_of(layers, each), twtt) for each in echograms], "slow_time"
+    )
+    if power_db.notnull().any():
+        low_db, high_db = np.nanpercentile(power_db, BLACK_AND_WHITE_PERCENT)
+        _draw_image(axes, power_db, at, "power [dB]", cmap="gray", vmin=low_db, vmax=high_db)
 
 
 def _draw_image(axes, image, at, label, **how):
@@ -72,21 +85,44 @@ def _draw_image(axes, image, at, label, **how):
 
 
 def _draw_accumulation(axes, accumulated, at):
-    """Draw accumulation by year, hatched if it is the mean of several years, and limits of ages."""
+    """Draw accumulation by year, hatched if it is the mean of several years."""
     _draw_image(axes, accumulated["accumulation_m_we"], at, "accumulation [m w.e. / yr]")
     year = accumulated["year"].values
     mean = accumulated["n_years"].values > 1
     if mean.any() and mean.shape[0] > 1:
         axes.contourf(at, year, mean, levels=[0.5, 1], hatches=["////"], colors="none")
-    last_autumn = accumulated.attrs["last_autumn"]
-    low = last_autumn - accumulated["age_high"].values
-    high = last_autumn - accumulated["age_low"].values
-    for number in range(0, year.size, YEARS_BETWEEN_BANDS):
-        axes.fill_between(
-            at, low[number], high[number], facecolor="#d5000030", edgecolor="#d50000", lw=0.7
-        )
-    axes.set_title("hatched: means of several years; red: nine of ten ages", fontsize="small")
+        axes.set_title("hatched: mean of several years", fontsize="small")
+    axes.set_ylabel("year of the autumn horizon;\nits snow lies below it")
     axes.yaxis.get_major_locator().set_params(integer=True)
+
+
+def _draw_ages(above, axes, beside, accumulated):
+    """Draw how far each year may be off: a bar a year, beside the years of other axes.
+
+    The axes `above` hold the legend alone.
+    """
+    year = accumulated["year"].values
+    last_autumn = accumulated.attrs["last_autumn"]
+    # A layer has one age along track; lines without it are NaN.
+    of_lines = {"dim": "slow_time", "skipna": True}
+    low, high = (
+        last_autumn - accumulated[name].median(**of_lines).values - year
+        for name in ("age_high", "age_low")
+    )
+    sure = accumulated["year_confidence"].median(**of_lines).values >= SURE
+    for is_sure, colour in ((True, "#0072b2"), (False, "#d55e00")):
+        some = (sure == is_sure) & np.isfinite(low)
+        if some.any():
+            label = f"year_confidence {'at least' if is_sure else 'below'} {SURE:g}"
+            axes.barh(year[some], (high - low)[some], 0.5, low[some], color=colour, label=label)
+            axes.plot(np.zeros(some.sum()), year[some], ".", color="black", ms=3)
+    axes.set(ylim=beside.get_ylim(), xlabel="error of the year [years]")
+    axes.tick_params(labelleft=False)
+    axes.grid(axis="x", lw=0.4)
+    above.set_axis_off()
+    title = "dates: nine of ten lie\nwithin the bar below"
+    names = axes.get_legend_handles_labels()
+    above.legend(*names, title=title, fontsize=8, title_fontsize=8, loc="lower center")
 
 
 def _draw_layers(axes, layers, distance, depth_m):
@@ -96,7 +132,7 @@ def _draw_layers(axes, layers, distance, depth_m):
         first, *_ = axes.plot(distance, of_quality.T, color=colour, lw=1)
         first.set_label(f"{name} picks")
     ends = []
-    wide, high = NAME_SHARES[0] * np.ptp(distance), NAME_SHARES[1] * np.nan_to_num(depth_m).max()
+    wide, high = NAME_SHARES[0] * np.ptp(distance), NAME_SHARES[1] * np.ptp(axes.get_ylim())
     for name, of_layer in zip(layers["layer"].values, depth_m, strict=True):
         if not np.isfinite(of_layer).any():
             continue
@@ -107,7 +143,7 @@ def _draw_layers(axes, layers, distance, depth_m):
             if abs(y - other_y) < high:
                 y = other_y + high
         ends.append((x, y))
-        axes.text(x, y, str(name), fontsize=5, color="#56b4e9")
+        axes.text(x, y, str(name), fontsize=8, color="#56b4e9")
     axes.legend(fontsize="small", ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
 
 

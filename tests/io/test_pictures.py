@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from refusals import refusal
 
+import snowsim
 from snowsim.io import write_picture
 
 N_LINES = 40
@@ -68,3 +69,21 @@ def test_names_of_layers_that_end_together_do_not_overlap(tmp_path, frame, monke
     assert len(boxes) == 12
     for below, box in enumerate(boxes, start=1):
         assert box.count_overlaps(boxes[below:]) == 0
+
+
+def test_the_picture_of_accumulation_shows_the_error_of_every_date(tmp_path, monkeypatch):
+    drawn = []
+    save = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda *a, **k: drawn.append(a[0]) or save(*a, **k))
+    climate = snowsim.Climate(accumulation_m=0.3, n_years=6)
+    _, layers = snowsim.simulate(climate, "snow-2012", n_range_lines=64, rng=1)
+    years = snowsim.accumulation(layers)
+    write_picture(tmp_path / "picture.png", layers, accumulated=years)
+    panel = next(ax for ax in drawn[0].axes if ax.get_xlabel() == "error of the year [years]")
+    bars = [bar for bar in panel.patches if bar.get_height() == 0.5]
+    assert len(bars) == years.sizes["year"]
+    for bar, year in zip(bars, years["year"].values, strict=True):
+        assert bar.get_y() + 0.25 == year
+        ages = [years[name].sel(year=year).median() for name in ("age_low", "age_high")]
+        assert bar.get_width() == ages[1] - ages[0]
+    assert min(text.get_size() for text in [panel.xaxis.label, *panel.get_xticklabels()]) >= 8

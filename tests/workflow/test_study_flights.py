@@ -111,7 +111,7 @@ def test_the_study_of_budgets_leaves_a_table_that_the_chart_is_drawn_from(tmp_pa
     assert costs["rd_gd_picked"] > 0
     _, ax = new_panel()
     plot_task(ax, table)
-    assert len(ax.get_legend().texts) == len(SETS)
+    assert len(ax.texts) == len(SETS)
     depths = pd.read_csv(tmp_path / "results/studies/budgets_depths.csv")
     assert (depths["n_found"] <= depths["n_true"]).all()
 

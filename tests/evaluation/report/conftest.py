@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 from processes import ROOT
-from result_tables import closed_loop, picks, table2, table3_intervals
+from result_tables import closed_loop, picks, table2, table3_equal, table3_intervals
 from toy_scenes import toy_scene
 
 from evaluation.lib.figures.style import METHODS, new_panel, save_figure
@@ -25,7 +25,8 @@ def planted_tables():
     two_sample = pd.DataFrame({"scenes": ["observed", "phy", "cgan"]})
     return {
         "table2": table2([0.4] * 3, [0.5] * 3),
-        "table3_intervals": table3_intervals({("fuse", "rd_gd"): 0.02}),
+        "table3_intervals": table3_intervals({("fuse", "rd_pd"): 0.02}),
+        "table3_equal": table3_equal(rd=0.79, rd_pd=0.83),
         "picks": picks(),
         "two_sample": two_sample.assign(
             classifier="network", first_row=-1, accuracy=0.8, low=0.7, high=0.9
@@ -48,7 +49,7 @@ def planted_page(planted_tables, paper, tmp_path_factory):
     ax.plot([1, 3, 2])
     save_figure(folder / "wave.svg", figure, "planted")
     caption = folder / "wave.rst"
-    caption.write_text("A wave (paper, Fig. 6).\n")
+    caption.write_text("A wave (paper, Fig. 6).\n\nUp is\nmore.\n")
     # The higher its number, the more layers and bins.
     scenes = [toy_scene(n, 300 + 200 * n, 256, 3 * n + 1) for n in range(4)]
     rows = [(scene.name, method, 0.4, 20.0) for scene in scenes for method in METHODS]

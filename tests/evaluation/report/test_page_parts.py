@@ -3,6 +3,9 @@
 import re
 
 import numpy as np
+import pandas as pd
+import pytest
+from processes import ROOT
 from result_tables import closed_loop, table2, table3_intervals
 
 from evaluation.lib.report import (
@@ -10,10 +13,12 @@ from evaluation.lib.report import (
     compare_table3,
     costs,
     layer_lines,
+    over_flights,
     page_content,
     read_benchmarks,
     read_warnings,
     recovered,
+    result,
 )
 
 
@@ -21,6 +26,58 @@ def test_table2_stands_beside_other_sources(paper):
     rows = compare_table2({"ours": table2([1, 2, 3], [2, 4, 6]), "paper": paper["table2"]})
     phy = {"ours": "2.00 / 4.00 / 6.00", "paper": "0.31 / 0.51 / 0.63"}
     assert rows[0]["cells"][1] == phy
+
+
+@pytest.mark.parametrize(
+    ("gain", "verdict"),
+    [(0.02, "the trackers of this run are better."), (0.004, "no gain is shown.")]
+    + [(-0.02, "the trackers of this run are worse.")],
+)
+def test_the_result_says_whether_a_gain_is_shown(gain, verdict):
+    # The interval reaches .005 to both sides.
+    words = result(table3_intervals({("fuse", "rd_pd"): gain}))
+    assert words.endswith(verdict)
+    assert f"fused ODS of {0.8 + gain:.3f} on the 60 test scenes" in words
+
+
+def test_the_page_opens_with_the_result_and_its_control(planted_page):
+    _, summary = planted_page.read_text().split('<section id="summary"')
+    found, control = re.findall(r"<p[^>]*>([^<]*)</p>", summary)[:2]
+    assert "(RD+PD) have a fused ODS of 0.820" in found
+    assert "ODS is 0.790 (with its own number 0.800)" in control
+    assert "that of RD+PD with as many is 0.830" in control
+
+
+def test_the_study_s_endpoint_and_secondary_pairs_are_shown():
+    rows = [("rd_pd", "rd_sample", "endpoint", "ods"), ("rd_pd", "rd_sample", "endpoint", "ap")]
+    rows += [("rd_pd", "rd", "secondary", "ods"), ("pd", "rd", "exploratory", "ods")]
+    rows += [("rd", np.nan, np.nan, "ods")]
+    worth = pd.DataFrame(rows, columns=["training_set", "base", "role", "metric"])
+    shown = over_flights(worth.assign(mean=0.01, low=-0.01, high=0.03)).to_numpy().tolist()
+    value = "+0.010 [\u22120.010, +0.030]"
+    assert shown == [
+        ["RD+PD less RD + sample flight", "endpoint", value],
+        ["RD+PD less RD", "secondary", value],
+    ]
+
+
+def test_side_outputs_come_after_the_fused_one_and_fold(planted_page):
+    text = planted_page.read_text()
+    names = re.findall(r'<th scope="row">((?:fuse|side \d), \w+)</th>', text)
+    assert names[:4] == ["fuse, ODS", "fuse, OIS", "fuse, AP", "side 1, ODS"]
+    folded = text.index("<details><summary>Side outputs")
+    assert text.index("fuse, AP") < folded < text.index("side 1, ODS")
+
+
+def test_every_caption_says_what_a_figure_shows_and_how_to_read_it():
+    for path in (ROOT / "workflow/evaluation/report/captions").iterdir():
+        sentences = path.read_text().strip().split("\n\n")
+        assert len(sentences) == 2, path.name
+        for sentence in sentences:
+            # One sentence: no full stop before another capital but that of an abbreviation.
+            words = re.sub(r"\b(Figs?|eq)\.", "", " ".join(sentence.split()))
+            assert re.search(r"\.\s+[A-Z]", words) is None, path.name
+            assert words.endswith("."), path.name
 
 
 def test_table3_marks_what_is_resolved_beside_the_paper_s(paper):
@@ -56,7 +113,7 @@ def test_the_page_shows_tables_figures_and_that_the_flight_is_synthetic(planted_
     assert cells["phy.n_looks"] == ["16"]
     assert cells["draw_labels"] == ["9 of 40 lines &lt;are&gt; thin", "2"]
     assert "<h3>The flight and its statistics</h3>" in text
-    assert "A wave (paper, Fig. 6)." in text
+    assert "<strong>A wave (paper, Fig. 6).</strong> Up is\nmore." in text
 
 
 def test_the_closed_loop_is_a_row_a_quantity():

@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced, name_of
+from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced
 from evaluation.lib.machine import describe_machine, describe_versions
+from evaluation.lib.studied import studied_set
 from snowsim.io.files import written_whole
 from snowsim.metrics.picks import snow_per_bin_m
 
@@ -27,6 +28,8 @@ STAGES = {
 }
 DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # decimals in Table II
 METRICS = ("ods", "ois", "ap")
+FUSED = "fuse"  # the output that trackers are judged by; those of their stages are the side outputs
+ADDED = ("rd_pd", "rd")  # the pair of training sets that the result is about
 N_SCENES = 16  # scenes in the gallery
 LINE_STEP = 2  # range lines from one drawn point of a layer to the next
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
@@ -38,9 +41,10 @@ WARNED = re.compile(r"\S+ \S+ warning: (.*)")  # in a log, after date and time
 def page_content(tables, paper, printed, jobs, warned, config, note):
     """Content of the page's template by name, without figures and gallery.
 
-    `tables` are those of this run, `paper` those of the paper, and `printed` those of the run as
-    printed, empty without one; all are dicts by name. `jobs` has a row for each job with its rule
-    and stage; `warned` is the table of `read_warnings`.
+    `tables` are those of this run, with `worth` if its study of flights is finished; `paper` are
+    those of the paper, and `printed` those of the run as printed, empty without one; all are dicts
+    by name. `jobs` has a row for each job with its rule and stage; `warned` is the table of
+    `read_warnings`.
     """
     others = {"paper": paper, "printed": printed} if printed else {"paper": paper}
     table2 = {"ours": tables["table2"]}
@@ -53,7 +57,10 @@ def page_content(tables, paper, printed, jobs, warned, config, note):
         "note": note,
         "synthetic": config["source"] == "reference",
         "as_printed": bool(printed),
-        "summary": summary(tables["table2"], intervals, jobs),
+        "result": result(intervals),
+        "control": equal_control(intervals, tables.get("table3_equal")),
+        "over_flights": over_flights(tables["worth"]) if "worth" in tables else None,
+        "summary": summary(tables["table2"], jobs, warned),
         "table2": compare_table2(table2),
         "table3": compare_table3(intervals, table3),
         "n_trainings": int(intervals["n_replicas"].max()),
@@ -90,7 +97,7 @@ def least_mean_most(table2, metric, method):
 
 
 def compare_table3(intervals, others):
-    """Rows of Table III; a cell for each training set has its mean, and those of other sources.
+    """Rows of Table III, the fused output first; cells have a set's mean, and other sources'.
 
     Cells of augmented sets also have the difference to RD, which is `resolved` if its interval
     excludes zero. `others` holds tables by source, indexed by output, with a column for each
@@ -98,7 +105,8 @@ def compare_table3(intervals, others):
     """
     by_key = intervals.set_index(["output", "metric", "training_set"])
     rows = []
-    for output in intervals["output"].unique():
+    outputs = intervals["output"].unique()
+    for output in sorted(outputs, key=lambda output: output != FUSED):
         for metric in METRICS:
             cells = []
             for name in TRAINING_SETS:
@@ -116,7 +124,11 @@ def compare_table3(intervals, others):
 
 def difference(row):
     """A difference to RD and its interval, with real minus signs."""
-    value, low, high = row[["difference", "difference_low", "difference_high"]]
+    return signed(*row[["difference", "difference_low", "difference_high"]])
+
+
+def signed(value, low, high):
+    """A difference and its interval as a text."""
     return f"{value:+.3f} [{low:+.3f}, {high:+.3f}]".replace("-", "\N{MINUS SIGN}")
 
 
@@ -159,21 +171,61 @@ def recovered(closed_loop):
     return pd.DataFrame(rows, columns=columns)
 
 
-def summary(table2, intervals, jobs):
-    """Summary of the run, (name, value, note): similarity, tracker, gain of augmentation, time."""
+def result(intervals):
+    """The result in words: fused ODS with PHY's scenes and without, and whether a gain is shown."""
+    of_fuse = fused_ods(intervals)
+    added, base = (of_fuse.loc[name] for name in ADDED)
+    text = (
+        f"Trackers trained on annotated and PHY's scenes ({NAMES[ADDED[0]]}) have a fused ODS of "
+        f"{added['mean']:.3f} on the {added['n_images']:.0f} test scenes, trackers trained on "
+        f"annotated scenes alone ({NAMES[ADDED[1]]}) {base['mean']:.3f}. The difference is "
+        f"{difference(added)}, with its 95 % interval over test scenes"
+    )
+    if added["difference_low"] > 0:
+        return f"{text}: with PHY's scenes, the trackers of this run are better."
+    if added["difference_high"] < 0:
+        return f"{text}: with PHY's scenes, the trackers of this run are worse."
+    return f"{text}, which includes zero: no gain is shown."
+
+
+def equal_control(intervals, equal):
+    """The control in words: RD trained with as many gradients as the set that has most."""
+    if equal is None:
+        return None
+    base = fused_ods(intervals).loc["rd", "mean"]
+    longer, added = equal.set_index("output").loc[FUSED, ["rd_ods", "rd_pd_ods"]]
+    return (
+        "The first control is RD trained with as many gradients as the set with most: its fused "
+        f"ODS is {longer:.3f} (with its own number {base:.3f}), and that of {NAMES['rd_pd']} with "
+        f"as many is {added:.3f}."
+    )
+
+
+def fused_ods(intervals):
+    """Rows of ODS of the fused output, by training set."""
+    return intervals.query("output == @FUSED and metric == 'ods'").set_index("training_set")
+
+
+def over_flights(worth):
+    """Table of the result and its controls over the flights of the study, as texts."""
+    rows = []
+    tested = worth.query("metric == 'ods' and role in ('endpoint', 'secondary')")
+    for row in tested.itertuples():
+        pair = f"{studied_set(row.training_set).about} less {studied_set(row.base).about}"
+        rows.append([pair, row.role, signed(row.mean, row.low, row.high)])
+    return pd.DataFrame(rows, columns=["Training sets", "Test", "Fused ODS, mean over flights"])
+
+
+def summary(table2, jobs, warned):
+    """What else a reader looks for first, (name, value, note): similarity, time, warnings."""
     ssim = mean_by_method(table2, "ssim", ".2f")
     psnr = mean_by_method(table2, "psnr", ".1f")
-    of_fuse = intervals.query("output == 'fuse' and metric == 'ods'").set_index("training_set")
-    rd = of_fuse.loc["rd"]
-    best = of_fuse["mean"].drop(index="rd").idxmax()
-    gain = difference(of_fuse.loc[best])
-    wall = duration(jobs["s"].sum())
-    interval = f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}"
+    n_warned = int(warned["Jobs"].sum())
+    note = "listed under What ran" if n_warned else "no job warned of anything"
     return [
         ("SSIM with observed scenes", ssim, f"PSNR [dB] {psnr}; means over test scenes"),
-        ("Tracker on RD alone, fused ODS", f"{rd['mean']:.3f}", interval),
-        ("Best augmented set, fused ODS", name_of(best), f"{gain} over RD, 95 % interval"),
-        ("Time of all jobs", wall, f"{len(jobs)} jobs, a core each"),
+        ("Time of all jobs", duration(jobs["s"].sum()), f"{len(jobs)} jobs, a core each"),
+        ("Warnings of jobs", str(n_warned), note),
     ]
 
 
@@ -251,11 +303,15 @@ def duration(seconds):
 
 
 def figures_by_stage(paths, stages, captions):
-    """Figures, lists of dicts by heading of their stage, from three lists of equal length."""
+    """Figures, lists of dicts by heading of their stage, from three lists of equal length.
+
+    A caption is a sentence on what a figure shows and, after an empty line, one on how to read it.
+    """
     by_stage = {}
     for path, stage, caption in zip(paths, stages, captions, strict=True):
-        words = Path(caption).read_text(encoding="utf-8")
-        figure = {"name": Path(path).name, "caption": words, "uri": figure_uri(path)}
+        shows, reading = Path(caption).read_text(encoding="utf-8").strip().split("\n\n")
+        figure = {"name": Path(path).name, "shows": shows, "reading": reading}
+        figure["uri"] = figure_uri(path)
         by_stage.setdefault(heading(stage), []).append(figure)
     return by_stage
 

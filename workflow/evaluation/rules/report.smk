@@ -4,6 +4,10 @@ import re
 
 REPORT = "workflow/evaluation/report"
 TABLES = ["table2", "table3_intervals", "picks", "two_sample", "closed_loop"]
+if TRACKER["n_epochs"] is None:
+    TABLES.append("table3_equal")
+# Of the study of flights, which the report shows if it is finished.
+WORTH = "results/studies/flights/worth.csv"
 # Figures of the default run, each once.
 SHOWN = [file for file in dict.fromkeys(JUDGED) if file in FIGURES]
 
@@ -40,6 +44,7 @@ rule write_report:
         benchmarks="results/benchmarks",
         logs="logs",
         printed=finished(PRINTED_TABLES) if PRINTED_IS_MADE else {},
+        worth=finished([WORTH]),
     message:
         "the report, one page"
     script:

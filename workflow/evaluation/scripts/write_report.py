@@ -32,7 +32,7 @@ with job(snakemake):
     images = read_table(snakemake.input.images)
     statistics = read_dataset(snakemake.input.statistics)
     content = page_content(
-        tables=tables_by_name(snakemake.input.tables),
+        tables=tables_by_name([*snakemake.input.tables, *snakemake.params.worth]),
         paper=tables_by_name(checkout_files(snakemake.params.paper)),
         printed=tables_by_name(snakemake.params.printed),
         jobs=read_benchmarks(snakemake.params.benchmarks, snakemake.params.rule_stages),

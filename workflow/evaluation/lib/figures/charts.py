@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.colors import ListedColormap
+from scipy.optimize import isotonic_regression
 
 from evaluation.lib.figures.style import (
     BLACK,
@@ -26,6 +27,9 @@ ADDED = {
     ("phy", "cgan"): GREEN,
 }
 REAL = {None: "s", "train": "o", "sample": "^", "completed": "D"}
+EDGE = 1.3  # factor of cost from the costliest point to the marks and names at the right
+NAMES_WIDTH = 60  # factor of cost that the names take
+NAMES_A_PANEL = 22  # names of sets that fit one below the other
 WAYS = {
     "convolution": ("numerical convolution", BLACK),
     "closed form": ("closed form, exact", GREEN),
@@ -43,7 +47,7 @@ QUANTITIES = {
 
 def speed_accuracy(budgets, table):
     """Core-seconds against ODS, by what a tracker saw; time against error of PHY's arithmetic."""
-    figure, axes = new_figure(1, 2, width=11, height=4.2, width_ratios=(1.5, 1))
+    figure, axes = new_figure(1, 2, width=11, height=4.6, width_ratios=(1.6, 1))
     of_task, of_arithmetic = axes[0]
     plot_task(of_task, budgets)
     plot_arithmetic(of_arithmetic, table[table["panel"] == "mean power"])
@@ -54,26 +58,50 @@ def plot_task(ax, budgets):
     """Fused ODS on validation scenes against the cost of scenes and training, a line a set.
 
     A point is the mean of the trainings with one number of gradients. The best of each set is
-    large; the legend names it. Rows without a cost were trained beside other jobs: left out.
+    large, and a line joins it to the set's name. Sets that were trained beside other jobs have no
+    cost: their best is a cross at the right edge.
     """
-    budgets = budgets.dropna(subset=["scenes_s", "training_s"])
     cost = budgets["scenes_s"] + budgets["training_s"]
     keys = ["training_set", "n_gradients"]
     means = budgets.assign(cost=cost).groupby(keys)[["cost", "ods"]].mean().reset_index()
-    best = means.loc[means.groupby("training_set")["ods"].idxmax()]
-    for point in best.sort_values("ods", ascending=False).itertuples():
+    edge = means["cost"].max() * EDGE
+    best = means.loc[means.groupby("training_set")["ods"].idxmax()].sort_values("ods")
+    heights = kept_apart(best["ods"], np.ptp(means["ods"]) / NAMES_A_PANEL)
+    for point, height in zip(best.itertuples(), heights, strict=True):
         shown = studied_set(point.training_set)
-        style = {"color": ADDED[shown.added], "marker": REAL[shown.real]}
         is_variant = shown.labels == "complete" or shown.added_per_real == PAPER_SCENES_PER_REAL
-        style["linestyle"] = ":" if is_variant else "-"
-        rows = means[means["training_set"] == point.training_set]
-        label = f"{shown.about}: {point.ods:.3f}, {point.n_gradients} gradients"
-        ax.plot(rows["cost"], rows["ods"], markersize=3, linewidth=0.9, **style)
-        ax.plot(point.cost, point.ods, markersize=7, label=label, **style)
-    ax.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
-    ax.set(xscale="log", xlabel="core-seconds to make scenes and train a tracker")
+        style = {"color": ADDED[shown.added], "linestyle": ":" if is_variant else "-"}
+        rows = means[means["training_set"] == point.training_set].dropna(subset=["cost"])
+        mark = REAL[shown.real]
+        ax.plot(rows["cost"], rows["ods"], marker=mark, markersize=3, linewidth=0.9, **style)
+        has_cost = np.isfinite(point.cost)
+        at = point.cost if has_cost else edge
+        ax.plot(at, point.ods, marker=mark if has_cost else "x", markersize=7, **style)
+        name = f"{shown.about}: {point.ods:.3f}, {point.n_gradients} gradients"
+        ends = ([at, edge * EDGE], [point.ods, height])
+        ax.plot(*ends, color=style["color"], linewidth=0.4)
+        ax.text(edge * EDGE, height, f" {name}", color=style["color"], fontsize=7, va="center")
+    ax.set(xscale="log", xlim=(means["cost"].min() / EDGE, edge * NAMES_WIDTH))
+    # Decades where points are, not where names are.
+    decades = np.arange(*np.ceil(np.log10([means["cost"].min(), edge])))
+    ax.set_xticks(10.0**decades)
+    ax.set_xticks([], minor=True)
+    ax.set_xlabel("core-seconds to make scenes and train a tracker", loc="left")
     ax.set_ylabel("ODS on validation scenes")
-    ax.set_title("each point: trackers on one set with one number of gradients")
+    crosses = "; cross: cost not measured" if best["cost"].isna().any() else ""
+    ax.set_title(
+        "A point is the mean of the trackers trained on one set with one number of gradients;\n"
+        f"the best of each set is large and named. Square: no real scenes{crosses}",
+        loc="left",
+    )
+
+
+def kept_apart(values, least):
+    """Ascending values, moved by as little as needed to lie at least `least` apart."""
+    values = np.asarray(values, dtype=float)
+    steps = least * np.arange(values.size)
+    # The nearest ascending sequence to what is left of each after its own step.
+    return isotonic_regression(values - steps).x + steps
 
 
 def plot_arithmetic(ax, runs):
@@ -107,12 +135,13 @@ def name_point(ax, name, place, colour, *, below=False, ha="center", fontsize=6)
 
 def atlas(atlas_phy, atlas_statistics):
     """Where methods fail: PHY's along four sweeps, and the estimators in a table."""
-    figure = plt.figure(figsize=(10, 5.4))
-    of_phy, of_estimators = figure.subfigures(2, 1, height_ratios=(1, 1.4))
+    figure = plt.figure(figsize=(11, 6.2))
+    of_phy, of_estimators = figure.subfigures(2, 1, height_ratios=(1, 1.3))
     sweeps = atlas_phy.groupby("sweep", sort=False)
     for ax, (sweep, rows) in zip(of_phy.subplots(1, len(sweeps)), sweeps, strict=True):
         plot_outcomes(ax, rows)
         ax.set_xlabel(sweep)
+        ax.set_title(seen_of_methods(rows), fontsize=7, loc="left")
     marks = [plt.Line2D([], [], color=colour, lw=5) for colour in OUTCOME_COLOURS.values()]
     of_phy.legend(marks, OUTCOMES.values(), loc="outside upper right", ncols=3, fontsize=8)
     of_phy.suptitle("PHY: values at which each way to mean power or speckle is right", fontsize=9)
@@ -132,6 +161,23 @@ def plot_outcomes(ax, rows):
     if (rows["value"] > 0).all():
         ax.set_xscale("log")
     list_downwards(ax, methods)
+
+
+def seen_of_methods(rows):
+    """What a sweep shows, in words: methods that are right everywhere, and those that are not."""
+    is_right = (rows["outcome"] != "wrong").groupby(rows["method"], sort=False).all()
+    right, wrong = (is_right.index[is_right == value] for value in (True, False))
+    sentence = f"Never wrong: {', '.join(right)}" if len(right) else "None is always right"
+    return f"{sentence};\nwrong in orange: {', '.join(wrong)}." if len(wrong) else f"{sentence}."
+
+
+def seen_of_estimators(rows):
+    """What a sweep shows, in words: how many errors each estimator keeps within the bounds."""
+    n_errors = len(QUANTITIES) * rows["value"].nunique()
+    is_within = rows["error"].abs() <= rows["bound"]
+    counts = is_within.groupby(rows["estimator"], sort=False).sum()
+    of_each = [f"{name} {count}" for name, count in counts.items()]
+    return f"Of {n_errors} errors, within the bound:\n{', '.join(of_each)}."
 
 
 def tabulate_estimators(ax, rows):
@@ -159,4 +205,6 @@ def tabulate_estimators(ax, rows):
     for sweep in rows["sweep"].unique():
         at = [number for number, place in enumerate(places) if place[0] == sweep]
         ax.text(np.mean(at), len(names) + 0.6, sweep, ha="center", fontsize=8)
+        seen = seen_of_estimators(rows[rows["sweep"] == sweep])
+        ax.text(np.mean(at), -0.6, seen, ha="center", va="bottom", fontsize=7)
         ax.axvline(at[0] - 0.5, color=BLACK, linewidth=0.8)
