@@ -27,7 +27,7 @@ from snowsim.io.containers import (
     open_container,
     read_values,
 )
-from snowsim.io.files import library_errors, refusal
+from snowsim.io.files import content_of, digest_of, library_errors, refusal
 from snowsim.io.times import gps_seconds, utc_times
 
 # Decibels span this much from the weakest to the strongest pixel. If none is negative, their median
@@ -39,6 +39,7 @@ UNITS_OF_DB = ("db", "dbm", "dbw", "decibel", "decibels")
 LOGARITHMIC = ("db", "decibel", "log", "10*log", "10 log")
 # Parameters of a file that become attributes of the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
+UNREAD = "unread"  # in place of the digest of a file that cannot be read
 # Only an attribute of this form becomes a folder: it may hold anything.
 SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
 
@@ -226,6 +227,24 @@ def find_supplement(path):
     stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
     files = (path.with_name(f"{stem}.nc") for stem in stems)
     return next((file for file in files if file.is_file()), None)
+
+
+def content_and_digest(path):
+    """Bytes of a file, None of a folder; and the digest of these and of the supplement beside."""
+    content = content_of(path)
+    digest = digest_of(path, content)
+    supplement = find_supplement(path)
+    if supplement is not None:
+        digest += digest_of(supplement, content_of(supplement))
+    return content, digest
+
+
+def digest_or_unread(path):
+    """Digest of `content_and_digest`, or `UNREAD` if the file cannot be read."""
+    try:
+        return content_and_digest(path)[1]
+    except (ValueError, OSError):
+        return UNREAD
 
 
 def _quality_mask(path, n_lines):

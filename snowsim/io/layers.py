@@ -1,5 +1,6 @@
 """Layer files of every format, read and written; contract of readers: `snowsim.io.containers`."""
 
+import hashlib
 import itertools
 import re
 import warnings
@@ -9,6 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from snowsim import __version__
 from snowsim.echogram import (
     SURFACE_NAME,
     UNITS,
@@ -685,6 +687,18 @@ def segment_files(folder, segment, numbers):
     parent = _parent(folder, segment)
     frames = [_frame_path(folder, segment, number) for number in numbers]
     return [*frames, parent / f"layer_{segment}.mat"]
+
+
+def digest_of_inputs(digests, card, bin_s):
+    """Attribute `TOGETHER` of the layers of a segment.
+
+    It is made of the digests of its files, in order, of the tracker's card, the range bin of images
+    and this version.
+    """
+    together = hashlib.sha256(f"{card} {__version__} {bin_s}".encode())
+    for digest in digests:
+        together.update(digest.encode())
+    return together.hexdigest()[:16]
 
 
 def digest_in(path):

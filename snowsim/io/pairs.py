@@ -13,7 +13,14 @@ import pandas as pd
 from PIL import Image, ImageOps
 from PIL.PngImagePlugin import PngInfo
 
-from snowsim.echogram import Scene, check_choice, check_layer_bins, layer_mask
+from snowsim.echogram import (
+    Scene,
+    check_choice,
+    check_layer_bins,
+    echogram,
+    from_uint8,
+    layer_mask,
+)
 from snowsim.io.files import (
     content_of,
     library_errors,
@@ -28,6 +35,9 @@ from snowsim.limits import check_values
 from snowsim.progress import with_progress
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; Pillow itself warns above 9e7 pixels
+# Limits of the decibels that the greys of an image span where it does not say. Within them, the
+# span makes its darkest row the noise floor.
+CONTRASTS_DB = (20.0, 100.0)
 BLURRED = "a JPEG image: its blocks of 8 pixels blur layers and speckle"
 # Numbers of a scene that its PNG image holds as text chunks, and their types.
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
@@ -68,6 +78,22 @@ def read_image(path, expected="8-bit grey", content=None):
             name: kind(texts[name]) for name, kind in NUMBERS_IN_TEXT.items() if name in texts
         }
     return colours[..., 0], numbers
+
+
+def read_image_as_echogram(path, bin_s, content=None):
+    """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds.
+
+    Without numbers in the image, its darkest row is taken for the noise floor. `content` are the
+    bytes of the file, read if they are not given.
+    """
+    image, numbers = read_image(path, content=content)
+    floor_db = numbers.get("noise_floor_db", 0.0)
+    darkest = image.mean(axis=1).min()
+    contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
+    power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
+    power = (10 ** (power_db / 10)).astype(np.float32)
+    twtt = bin_s * np.arange(len(power))
+    return echogram(power, twtt=twtt, attrs={"source_format": "image"})
 
 
 def read_mask(path):

@@ -1,12 +1,23 @@
 """Pictures of layers on their echograms, over axes of distance and depth."""
 
+import gc
+import glob
+
 import numpy as np
 import xarray as xr
 
 from snowsim.alignment import along_track_m
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
-from snowsim.io.files import written_whole
+from snowsim.io.echograms import read_echogram
+from snowsim.io.files import (
+    image_format_of,
+    library_errors,
+    noted,
+    written_together,
+    written_whole,
+)
+from snowsim.io.pairs import read_image_as_echogram
 
 NO_MATPLOTLIB = "pictures need matplotlib: pip install 'snowsim[plot]'"
 # Name and colour of picks by their quality.
@@ -20,6 +31,41 @@ NAME_SHARES = (0.07, 0.037)  # width and height of a layer's name, as shares of 
 ROUNDING_OF_TIMES = np.timedelta64(1, "ms")
 AGES_SHARE = 0.2  # width of the panel of ages, as share of the others'
 SURE = 0.8  # probability from which on a date is not flagged
+LINES_OF_PICTURE = 2000  # most range lines of a picture of picks
+
+
+def pictures_of(folder, path):
+    """Files in a folder that hold the picks of the input `path`, drawn by `draw_picks`."""
+    stem = f"{glob.escape(path.stem)}_picks"
+    return sorted([*folder.glob(f"{stem}.png"), *folder.glob(f"{stem}_[0-9][0-9].png")])
+
+
+def draw_picks(path, layers, folder, bin_s):
+    """Draw the picks of a file, which `layers` of its segment have, on its echogram.
+
+    A long frame has several pictures. The file, if an image with range bins of `bin_s`, is read
+    once more, because the samples of all frames of a segment do not fit into memory, and which
+    samples are drawn depends on the picks.
+    """
+    picture = folder / f"{path.stem}_picks.png"
+    with library_errors(picture, "picture: expected layers that can be drawn"):
+        with noted(path):  # as when it was tracked
+            if image_format_of(path) is None:
+                drawn_on = read_echogram(path)
+            else:
+                drawn_on = read_image_as_echogram(path, bin_s)
+        gc.collect()  # bytes of the file, which are in a cycle of references: .1 GB of 50,000 lines
+        of_frame = np.flatnonzero(layers["frame"] == path.stem)
+        n_pictures = -(-of_frame.size // LINES_OF_PICTURE)
+        with written_together():
+            for number, lines in enumerate(np.array_split(of_frame, max(n_pictures, 1)), 1):
+                part = layers.isel(slow_time=lines)
+                is_drawn = part["twtt"].notnull().any("slow_time").values
+                is_drawn[0] = True
+                if n_pictures > 1:
+                    picture = folder / f"{path.stem}_picks_{number:02d}.png"
+                if lines.size:  # all lines of a frame may be another's, too
+                    write_picture(picture, part.isel(layer=is_drawn), [drawn_on])
 
 
 def write_picture(path, layers, echograms=(), accumulated=None):

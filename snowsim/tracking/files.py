@@ -79,10 +79,8 @@ def track_files(
     check_count("processes", processes)
     tracker = Tracker.load(shipped_trackers().get(model, model))
     paths = [Path(path) for path in paths]
-    _refuse_equal_names(paths)
     output = Output(_writable_folder(folder), png, bin_s, force, resume)
     segments, failed = plan(paths)
-    _refuse_name_of_segment(segments)
     for message in failed:
         say(f"error: {message}")
     n_failed = len(failed)
@@ -105,24 +103,6 @@ def track_files(
     finally:
         bar.close()
     return n_failed
-
-
-def _refuse_equal_names(paths):
-    """Refuse two files whose outputs would have the same name."""
-    first = {}
-    for path in paths:
-        if path.stem in first:
-            wanted = "files of different names, for their layers are named by them"
-            raise refusal(path, "name", wanted, f"{first[path.stem]} too")
-        first[path.stem] = path
-
-
-def _refuse_name_of_segment(segments):
-    """Refuse an image whose layers would have the name of a segment's."""
-    names = {files[0].segment for files in segments}
-    for file, *_ in segments:
-        if file.segment is None and file.path.stem in names:
-            raise refusal(file.path, "name", "another than that of a segment", file.path.stem)
 
 
 def _writable_folder(folder):

@@ -29,7 +29,9 @@ def plan(paths):
 
     Each image is a segment of its own. A file is opened here if its name does not hold segment and
     frame. Frames without a number are numbered after the others of their segment, by time.
+    ValueError if two files have the same name, or an image has that of a segment.
     """
+    _refuse_equal_names(paths)
     segments = {}
     failed = []
     seen = {}
@@ -44,7 +46,9 @@ def plan(paths):
             continue
         seen[frame] = path
         segments.setdefault(file.segment or ("image", path), []).append(file)
-    return [_in_order(files) for files in segments.values()], failed
+    segments = [_in_order(files) for files in segments.values()]
+    _refuse_name_of_segment(segments)
+    return segments, failed
 
 
 def _identified(path):
@@ -71,3 +75,21 @@ def _in_order(files):
     first = 1 + max((file.number for file in known), default=0)
     added = [replace(file, number=number) for number, file in enumerate(others, first)]
     return sorted(known, key=lambda file: file.number) + added
+
+
+def _refuse_equal_names(paths):
+    """Refuse two files whose outputs would have the same name."""
+    first = {}
+    for path in paths:
+        if path.stem in first:
+            wanted = "files of different names, for their layers are named by them"
+            raise refusal(path, "name", wanted, f"{first[path.stem]} too")
+        first[path.stem] = path
+
+
+def _refuse_name_of_segment(segments):
+    """Refuse an image whose layers would have the name of a segment's."""
+    names = {files[0].segment for files in segments}
+    for file, *_ in segments:
+        if file.segment is None and file.path.stem in names:
+            raise refusal(file.path, "name", "another than that of a segment", file.path.stem)

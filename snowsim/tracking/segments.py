@@ -1,25 +1,15 @@
 """Tracks one segment: its frames are read one by one, linked, and written together."""
 
-import gc
-import glob
-import hashlib
 import json
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from snowsim import __version__
-from snowsim.echogram import from_uint8
-from snowsim.io import echogram, read_echogram
+from snowsim.io import read_echogram
 from snowsim.io.containers import open_container
-from snowsim.io.echograms import find_supplement
+from snowsim.io.echograms import content_and_digest, digest_or_unread
 from snowsim.io.files import (
-    content_of,
-    digest_of,
-    image_format_of,
-    library_errors,
     noted,
     picture_format,
     read_dataset,
@@ -29,6 +19,7 @@ from snowsim.io.files import (
 from snowsim.io.layers import (
     TOGETHER,
     digest_in,
+    digest_of_inputs,
     join_frames,
     numbers_in_names,
     refuse_existing,
@@ -39,15 +30,13 @@ from snowsim.io.layers import (
     write_layer_files,
     write_layers,
 )
-from snowsim.io.pairs import BLURRED, read_image
-from snowsim.io.pictures import write_picture
+from snowsim.io.pairs import BLURRED, read_image_as_echogram
+from snowsim.io.pictures import draw_picks, pictures_of
 from snowsim.tracking.trackers import layer_names
 from snowsim.tracking.unfinished import Unfinished
 
 NOT_DRAWN = ("twtt_low", "twtt_high", "confidence")
-LINES_OF_PICTURE = 2000  # most range lines of one
 MOST_LOST = 20  # frames whose detection may be lost; those of longer segments are kept in files
-UNREAD = "unread"  # in place of the digest of a file that cannot be read
 # Attribute of a segment: frames that could not be tracked, and why, as JSON.
 FAILED = "failed"
 
@@ -55,9 +44,6 @@ FAILED = "failed"
 # time of this many range lines, whichever is longer.
 PAUSE_S = 2.0
 PAUSE_LINES = 5
-# Limits of the decibels that the greys of an image span where it does not say. Within them, the
-# span makes its darkest row the noise floor.
-CONTRASTS_DB = (20.0, 100.0)
 EDGE_ROWS = 24  # rows of a picture above its layers, and below them
 
 
@@ -87,6 +73,7 @@ class _Frame:
     path: Path
     segment: str | None
     number: int | None
+    digest: str
     evidence: object
     notes: tuple
     gap: str | None = None
@@ -103,7 +90,14 @@ def track_segment(tracker, files, output, say, advance):
         if left is not None:
             for _ in files:
                 advance(0)
-            return _leave(left, files, output, say)
+            failed = json.loads(left.attrs.get(FAILED, "{}"))
+            for message in failed.values():
+                say(f"error: {message}")
+            say(f"{layers_file(output.folder, files[0])}: it was written before")
+            for file in files if output.png else ():
+                if file.path.stem not in failed and not pictures_of(output.folder, file.path):
+                    draw_picks(file.path, left, output.folder, output.bin_s)
+            return len(failed)
         _refuse_outputs(files, output)
     except (ValueError, OSError) as error:
         say(f"error: {error}")
@@ -114,7 +108,7 @@ def track_segment(tracker, files, output, say, advance):
     frames, digests, failed = _detected(tracker, files, output, unfinished, say, advance)
     if not frames:
         return len(files)
-    attributes = {TOGETHER: _together(tracker.card, digests, output.bin_s)}
+    attributes = {TOGETHER: digest_of_inputs(digests, tracker.card, output.bin_s)}
     if failed:
         attributes[FAILED] = json.dumps(failed)
     try:
@@ -123,7 +117,7 @@ def track_segment(tracker, files, output, say, advance):
             unfinished.remove()
         # Last, so that a picture that cannot be drawn stops no file.
         for frame in frames if output.png else ():
-            _draw_picks(frame.path, written, output)
+            draw_picks(frame.path, written, output.folder, output.bin_s)
     except (ValueError, OSError) as error:
         say(f"error: {error}")
         return len(files)
@@ -136,11 +130,10 @@ def _detected(tracker, files, output, unfinished, say, advance):
     digests = []
     failed = {}
     for file in files:
-        digests.append(UNREAD)
         try:
-            content, digests[-1] = _content_and_digest(file.path)
-            frame = _load_and_detect(tracker, file, content, digests[-1], output, unfinished)
+            frame = _load_and_detect(tracker, file, output, unfinished)
         except (ValueError, OSError) as error:
+            digests.append(digest_or_unread(file.path))
             failed[file.path.stem] = str(error)
             say(f"error: {error}")
             advance(0)
@@ -148,26 +141,9 @@ def _detected(tracker, files, output, unfinished, say, advance):
         for note in frame.notes:
             say(f"{file.path}: {note}")
         frames.append(frame)
+        digests.append(frame.digest)
         advance(frame.evidence.slow_time.size)
     return frames, digests, failed
-
-
-def _content_and_digest(path):
-    """Bytes of a file, none of a folder; and the digest of these and of the supplement beside."""
-    content = content_of(path)
-    digest = digest_of(path, content)
-    supplement = find_supplement(path)
-    if supplement is not None:
-        digest += digest_of(supplement, content_of(supplement))
-    return content, digest
-
-
-def _together(card, digests, bin_s):
-    """Digest of the inputs of a segment, in order, of the tracker's card and this version."""
-    digest = hashlib.sha256(f"{card} {__version__} {bin_s}".encode())
-    for each in digests:
-        digest.update(each.encode())
-    return digest.hexdigest()[:16]
 
 
 def _written_before(card, files, output):
@@ -183,12 +159,8 @@ def _written_before(card, files, output):
     there = [each for each in (*of_frames, path) if each.exists()]
     if not there:
         return None
-    digests = []
-    for file in files:
-        digests.append(UNREAD)
-        with suppress(ValueError, OSError):
-            _, digests[-1] = _content_and_digest(file.path)
-    together = _together(card, digests, output.bin_s)
+    digests = [digest_or_unread(file.path) for file in files]
+    together = digest_of_inputs(digests, card, output.bin_s)
     whole = set()
     for each in there:
         try:
@@ -209,26 +181,14 @@ def _written_before(card, files, output):
     return layers.drop_vars(NOT_DRAWN) if is_whole else None
 
 
-def _leave(layers, files, output, say):
-    """Draw the pictures that are missing; the number of frames that failed, each with its line."""
-    failed = json.loads(layers.attrs.get(FAILED, "{}"))
-    for message in failed.values():
-        say(f"error: {message}")
-    say(f"{layers_file(output.folder, files[0])}: it was written before")
-    for file in files if output.png else ():
-        if file.path.stem not in failed and not _pictures(output.folder, file.path):
-            _draw_picks(file.path, layers, output)
-    return len(failed)
-
-
 def _refuse_outputs(files, output):
     """Refuse outputs that exist, and a folder that holds layer files of other frames."""
     folder = output.folder
+    outputs = [layers_file(folder, files[0])]
+    outputs += [path for file in files if output.png for path in pictures_of(folder, file.path)]
+    inputs = {file.path.resolve().parent for file in files}
     if files[0].segment is not None:
         refuse_other_frames(folder, files[0].segment, [file.number for file in files])
-    outputs = [layers_file(folder, files[0])]
-    outputs += [path for file in files if output.png for path in _pictures(folder, file.path)]
-    inputs = {file.path.resolve().parent for file in files}
     for path in outputs:
         if path.exists() and folder.resolve() in inputs:
             wanted = "none beside the input, also with force (give another folder)"
@@ -242,17 +202,15 @@ def layers_file(folder, file):
     return folder / f"{file.segment or file.path.stem}_layers.nc"
 
 
-def _pictures(folder, path):
-    """Files of the picks drawn on the echogram of an input that are there."""
-    stem = f"{glob.escape(path.stem)}_picks"
-    return sorted([*folder.glob(f"{stem}.png"), *folder.glob(f"{stem}_[0-9][0-9].png")])
-
-
-def _load_and_detect(tracker, file, content, digest, output, unfinished):
-    """`_Frame` of a `File` from its content; its evidence is kept if `unfinished` is given."""
+def _load_and_detect(tracker, file, output, unfinished):
+    """`_Frame` of a `File`; its evidence is kept if `unfinished` is given."""
     path = file.path
+    content, digest = content_and_digest(path)
     if file.segment is None:
-        echogram = _image_as_echogram(path, content, output.bin_s)
+        if output.bin_s is None:
+            wanted = "--bin-s, the range bin of an image in seconds"
+            raise refusal(path, "image", wanted, "none")
+        echogram = read_image_as_echogram(path, output.bin_s, content)
         evidence = tracker.detect(echogram, str(path))
         notes = list(evidence.notes)
         if picture_format(content) == "JPEG":
@@ -262,7 +220,7 @@ def _load_and_detect(tracker, file, content, digest, output, unfinished):
             notes.append(
                 "the picture is bright above and below: expected bright layers on a dark ground"
             )
-        return _Frame(path, None, None, evidence, tuple(notes))
+        return _Frame(path, None, None, digest, evidence, tuple(notes))
     evidence = unfinished.read(digest) if unfinished and output.resume else None
     if evidence is None:
         with noted(path) as told:
@@ -271,21 +229,7 @@ def _load_and_detect(tracker, file, content, digest, output, unfinished):
         evidence = evidence.with_notes(told)
         if unfinished:
             unfinished.keep(digest, evidence)
-    return _Frame(path, file.segment, file.number, evidence, evidence.notes)
-
-
-def _image_as_echogram(path, content, bin_s):
-    """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds."""
-    if bin_s is None:
-        raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
-    image, numbers = read_image(path, content=content)
-    floor_db = numbers.get("noise_floor_db", 0.0)
-    darkest = image.mean(axis=1).min()
-    contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
-    power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
-    power = (10 ** (power_db / 10)).astype(np.float32)
-    twtt = bin_s * np.arange(len(power))
-    return echogram(power, twtt=twtt, attrs={"source_format": "image"})
+    return _Frame(path, file.segment, file.number, digest, evidence, evidence.notes)
 
 
 def _link_and_write(tracker, frames, attributes, output, say):
@@ -416,31 +360,3 @@ def _with_rows(layers, bin_s):
     layers = layers.assign(row=rows)
     layers["slow_time"].attrs["comment"] = "invented: a picture holds no times"
     return layers
-
-
-def _draw_picks(path, layers, output):
-    """Draw the picks of a file, which `layers` of its segment have, on its echogram.
-
-    A long frame has several pictures. The file is read once more, because the samples of all frames
-    of a segment do not fit into memory, and which samples are drawn depends on the picks.
-    """
-    picture = output.folder / f"{path.stem}_picks.png"
-    with library_errors(picture, "picture: expected layers that can be drawn"):
-        is_image = image_format_of(path) is not None
-        with noted(path):  # as when it was tracked
-            if is_image:
-                drawn_on = _image_as_echogram(path, content_of(path), output.bin_s)
-            else:
-                drawn_on = read_echogram(path)
-        gc.collect()  # bytes of the file, which are in a cycle of references: .1 GB of 50,000 lines
-        of_frame = np.flatnonzero(layers["frame"] == path.stem)
-        n_pictures = -(-of_frame.size // LINES_OF_PICTURE)
-        with written_together():
-            for number, lines in enumerate(np.array_split(of_frame, max(n_pictures, 1)), 1):
-                part = layers.isel(slow_time=lines)
-                is_drawn = part["twtt"].notnull().any("slow_time").values
-                is_drawn[0] = True
-                if n_pictures > 1:
-                    picture = output.folder / f"{path.stem}_picks_{number:02d}.png"
-                if lines.size:  # all lines of a frame may be another's, too
-                    write_picture(picture, part.isel(layer=is_drawn), [drawn_on])

@@ -33,8 +33,9 @@ class Unfinished:
 
     def keep(self, digest, evidence):
         """Write the evidence of a frame."""
+        arrays = to_arrays(evidence)
         path = self._path(digest)
-        write_arrays(path, to_arrays(evidence))
+        write_arrays(path, arrays)
         self._written.append(path)
 
     def read(self, digest):

@@ -614,8 +614,8 @@ def test_a_long_frame_is_drawn_in_pieces_of_which_each_has_its_own_lines(
     def note(path, layers, echograms):
         drawn.append((path.name, layers["slow_time"].values))
 
-    monkeypatch.setattr("snowsim.tracking.segments.write_picture", note)
-    monkeypatch.setattr("snowsim.tracking.segments.LINES_OF_PICTURE", 140)
+    monkeypatch.setattr("snowsim.io.pictures.write_picture", note)
+    monkeypatch.setattr("snowsim.io.pictures.LINES_OF_PICTURE", 140)
     path = write_frame(tmp_path, frame[0])
     assert track([path], png=True) == 0
     assert [name for name, _ in drawn] == [f"{path.stem}_picks_0{n}.png" for n in (1, 2, 3)]
@@ -628,7 +628,7 @@ def test_a_long_frame_is_drawn_in_pieces_of_which_each_has_its_own_lines(
 
 def test_a_picture_that_cannot_be_drawn_stops_no_file(track, tmp_path, frame, lines, monkeypatch):
     paths = [write_frame(tmp_path, frame[0], number) for number in (1, 2)]
-    monkeypatch.setattr("snowsim.tracking.segments.write_picture", lambda *_: {}["no such axis"])
+    monkeypatch.setattr("snowsim.io.pictures.write_picture", lambda *_: {}["no such axis"])
     assert track(paths, png=True) == len(paths)
     assert "picks.png: picture: expected layers that can be drawn, found KeyError" in lines[-1]
     assert read_layers(tmp_path / "out" / f"{SEGMENT}_layers.nc").sizes["layer"] > 1
