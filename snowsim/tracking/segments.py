@@ -39,7 +39,6 @@ from snowsim.io.layers import (
     write_layer_files,
     write_layers,
 )
-from snowsim.io.pairs import BLURRED, read_image
 from snowsim.io.pictures import write_picture
 from snowsim.tracking.trackers import layer_names
 from snowsim.tracking.unfinished import Unfinished
@@ -256,6 +255,8 @@ def _load_and_detect(tracker, file, content, digest, output, unfinished):
         evidence = tracker.detect(echogram, str(path))
         notes = list(evidence.notes)
         if picture_format(content) == "JPEG":
+            from snowsim.io.pairs import BLURRED
+
             notes.append(BLURRED)
         row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
         if min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db):
@@ -278,6 +279,8 @@ def _image_as_echogram(path, content, bin_s):
     """Echogram dataset of an 8-bit grey image with range bins of `bin_s` seconds."""
     if bin_s is None:
         raise refusal(path, "image", "--bin-s, the range bin of an image in seconds", "none")
+    from snowsim.io.pairs import read_image  # not above: echograms need no Pillow
+
     image, numbers = read_image(path, content=content)
     floor_db = numbers.get("noise_floor_db", 0.0)
     darkest = image.mean(axis=1).min()
