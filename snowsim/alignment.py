@@ -74,8 +74,11 @@ def levelled(power, first, n_rows):
     rows = np.full((n_rows, first.size), np.nan, dtype)
     starts = np.clip(-first, 0, n_rows)
     stops = np.clip(n_bins - first, 0, n_rows)
-    for line, (top, start, stop) in enumerate(zip(first, starts, stops, strict=True)):
-        rows[start:stop, line] = power[start + top : stop + top, line]
+    # Lines that begin with the same bin are copied together.
+    changes = np.flatnonzero(np.diff(first)) + 1
+    for line, end in zip([0, *changes], [*changes, first.size], strict=True):
+        top, start, stop = first[line], starts[line], stops[line]
+        rows[start:stop, line:end] = power[start + top : stop + top, line:end]
     return rows
 
 

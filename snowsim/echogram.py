@@ -451,8 +451,10 @@ def to_uint8(power):
 def to_grey(power_db, noise_floor_db, maximum_db):
     """8-bit image of decibels (range_bin, range_line) on the scale of `to_uint8`."""
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
-    scaled = (power_db - bottom_db) * (255 / (maximum_db - bottom_db))
-    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
+    scaled = power_db - bottom_db
+    scaled *= 255 / (maximum_db - bottom_db)
+    np.clip(scaled, 0, 255, out=scaled)
+    return np.rint(scaled, out=scaled).astype(np.uint8)
 
 
 def from_uint8(image, noise_floor_db, maximum_db):

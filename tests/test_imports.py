@@ -125,6 +125,10 @@ def test_the_configuration_is_checked_without_what_draws_and_trains():
 def test_tracking_and_scoring_load_nothing_of_trainings_and_nothing_loads_onnxruntime_early():
     loaded = loaded_with("snowsim.tracking", "snowsim.scoring")
     assert not loaded & {"torch", "safetensors", "onnxruntime"}
+    # Few runs need these, and every start of the command would wait for them.
+    loaded = loaded_with("snowsim.tracking.files")
+    assert "snowsim.tracker.picks" in loaded
+    assert not loaded & {"h5py", "PIL", "snowsim.tracking.processes"}
     loaded = loaded_with("snowsim.learning")
     assert "torch" in loaded
     assert "onnxruntime" not in loaded

@@ -26,7 +26,6 @@ from functools import partial, wraps
 from io import BytesIO
 from pathlib import Path
 
-import h5py
 import netCDF4
 import numpy as np
 import scipy.io
@@ -188,6 +187,8 @@ def open_container(path, content=None):
         return _labelled(path, xr.backends.NetCDF4DataStore(file), engine="store")
     if content[USER_BLOCK_BYTES:].startswith(HDF5):
         check_heaps(content)
+        import h5py  # not above: it loads slowly, and few files need it
+
         # In memory: an error that keeps a file object open would crash Python at its end.
         file = h5py.File.in_memory(content)
         return Stored(path, frozenset(file), partial(_read_mat73, file))
@@ -371,6 +372,8 @@ def _plain(node, read):
 
     The count has a limit, because a file may refer to the same value any number of times.
     """
+    import h5py
+
     read[0] += VALUE_BYTES + getattr(node, "nbytes", 0)
     if read[0] > MAXIMUM_BYTES:
         raise refusal(None, node.name, MOST, read[0])

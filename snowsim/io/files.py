@@ -270,7 +270,7 @@ def write_dataset(path, dataset, *, compress=False, encoding=None):
         if variable.dtype.kind == "f" or name in chosen:
             encoding[name] = chosen.get(name, {"_FillValue": None})
             if compress and variable.ndim:
-                encoding[name] = encoding[name] | COMPRESSION
+                encoding[name] = COMPRESSION | encoding[name]
     try:
         with written_whole(path) as aside:
             dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)

@@ -649,8 +649,10 @@ def rounded(layers):
     Of layers that are one after this, the lower loses its pick.
     """
     for name, step in STEPS.items():  # one by one, to save memory
-        values = np.rint(layers[name] / step) * step
-        layers = layers.assign({name: values.assign_attrs(layers[name].attrs)})
+        values = layers[name].values / step
+        np.rint(values, out=values)
+        values *= step
+        layers = layers.assign({name: (layers[name].dims, values, layers[name].attrs)})
     same = crossing_layers(layers["twtt"].transpose(*LAYER_AXES).values)
     if same.any():
         picks = ["twtt", "twtt_low", "twtt_high"]
@@ -665,8 +667,9 @@ def write_layers(path, layers, *, force=False):
     """
     if not force:
         refuse_existing(path)
+    # Level 9 takes twice the time for 2 % fewer bytes.
     encoding = {
-        name: {"dtype": "int32", "scale_factor": step, "_FillValue": NOT_PICKED}
+        name: {"dtype": "int32", "scale_factor": step, "_FillValue": NOT_PICKED, "complevel": 4}
         for name, step in STEPS.items()
     }
     # As characters: netCDF does not compress text of any length.

@@ -17,7 +17,6 @@ from snowsim.io.files import (
     written_together,
     written_whole,
 )
-from snowsim.io.pairs import read_image_as_echogram
 
 NO_MATPLOTLIB = "pictures need matplotlib: pip install 'snowsim[plot]'"
 # Name and colour of picks by their quality.
@@ -53,6 +52,8 @@ def draw_picks(path, layers, folder, bin_s):
             if image_format_of(path) is None:
                 drawn_on = read_echogram(path)
             else:
+                from snowsim.io.pairs import read_image_as_echogram  # not above: it needs Pillow
+
                 drawn_on = read_image_as_echogram(path, bin_s)
         gc.collect()  # bytes of the file, which are in a cycle of references: .1 GB of 50,000 lines
         of_frame = np.flatnonzero(layers["frame"] == path.stem)

@@ -57,7 +57,7 @@ MODULES = {
     "published": ("PublishedNetwork",),
     "sampling": ("Completed", "TrainingSet", "copy_shown"),
     "train": ("Training", "rate_factor", "train_steps", "trained_network"),
-    "windows": ("log_odds_by_lines", "runner"),
+    "windows": ("log_odds_by_lines", "runner", "stretches"),
 }
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs=MODULES)

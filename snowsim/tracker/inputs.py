@@ -23,7 +23,6 @@ from snowsim.echogram import (
     SURFACE_ROW,
     as_recorded,
     check_echogram,
-    to_db,
     to_grey,
 )
 from snowsim.limits import check_count, check_values
@@ -135,7 +134,7 @@ class Canonical:
         own = slice(first * grid.n_averaged, stop * grid.n_averaged)
         power = _resampled(self.echogram, own, grid.bin_s)
         power_db = _level_db(power, grid.top[own], grid.n_rows, grid.n_averaged)
-        power_db = np.nan_to_num(power_db, nan=self.noise_floor_db)
+        np.copyto(power_db, np.float32(self.noise_floor_db), where=np.isnan(power_db))
         return to_grey(power_db, self.noise_floor_db, self.maximum_db)
 
 
@@ -240,24 +239,33 @@ def _survey(echogram, given, bin_s, n_averaged):
     return _Survey(*(np.concatenate([getattr(block, name) for block in blocks]) for name in names))
 
 
-def _survey_of_block(echogram, lines, given, bin_s, n_averaged):
+def _survey_of_block(echogram, own_lines, given, bin_s, n_averaged):
     """`_Survey` of one block, which has its own scale."""
-    power = _resampled(echogram, lines, bin_s)
+    power = _resampled(echogram, own_lines, bin_s)
     power_db = _in_db(power)
-    surface, share = find_surface(power_db, given[lines])
+    surface, share = find_surface(power_db, given[own_lines])
     largest_db = np.nanmax(power_db, axis=0, initial=-np.inf)
     if not np.isfinite(surface).any():
         return _Survey(surface, share, largest_db)
     top = _shifts(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
-    level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
-    level_db = level_db[:, np.isfinite(level_db).any(axis=0)]
-    filled = np.isfinite(level_db).mean(axis=1) > 0.5
+    n_rows = int(len(power) - top.min())
+    # Decibels are those that are known already, unless power is averaged.
+    is_known = n_averaged == 1
+    level_db = (
+        levelled(power_db, top, n_rows) if is_known else _level_db(power, top, n_rows, n_averaged)
+    )
+    present = np.isfinite(level_db)
+    lines = present.any(axis=0)
+    if not lines.all():
+        level_db = level_db[:, lines]
+        present = present[:, lines]
+    filled = 2 * np.count_nonzero(present, axis=1) > present.shape[1]
     if not filled.any():
         return _Survey(surface, share, largest_db)
     noise_floor_db = np.nanmean(level_db[filled], axis=1, dtype=float).min()
     maxima = np.nanmax(level_db, axis=0, initial=-np.inf)
     maximum_db = maxima[maxima <= np.median(maxima) + SATURATED_DB].max()
-    own = echogram["Data"].values[:, lines]
+    own = echogram["Data"].values[:, own_lines]
     n_looks = _looks_in_air(own, surface * (bin_s / bin_size_s(echogram)))
     return _Survey(surface, share, largest_db, [noise_floor_db], [maximum_db], [n_looks])
 
@@ -276,8 +284,13 @@ def _resampled(echogram, lines, bin_s):
 
 
 def _in_db(power):
+    """Decibels of linear power, float32, NaN where it is not positive."""
     power = np.asarray(power, dtype=np.float32)
-    return np.where(power > 0, to_db(np.where(power > 0, power, 1)), np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        power_db = np.log10(power)
+    power_db *= 10
+    np.copyto(power_db, np.float32(np.nan), where=np.isneginf(power_db))  # of zero
+    return power_db
 
 
 def _level_db(power, top, n_rows, n_averaged):

@@ -6,7 +6,6 @@ on flights whose scores are not reported; a card may have its own.
 """
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from scipy.special import expit
 
@@ -81,6 +80,7 @@ def layers_of_frame(canonical, pieces, first_line):
     """
     grid = canonical.grid
     lines = first_line + np.arange(grid.n_lines)
+    place = grid.line
     numbers = []
     rows = []
     sure_of_rows = []
@@ -89,8 +89,8 @@ def layers_of_frame(canonical, pieces, first_line):
         if number > 0 and first == stop:
             continue
         numbers.append(number)
-        rows.append(between_lines(on_lines(piece, piece.row, lines), grid.line))
-        sure_of_rows.append(between_lines(on_lines(piece, sure, lines), grid.line))
+        rows.append(between_lines(on_lines(piece, piece.row, lines), place))
+        sure_of_rows.append(between_lines(on_lines(piece, sure, lines), place))
     rows = np.array(rows)
     # A chain is interpolated over gaps, where it may touch a surface that jumps or another chain.
     rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
@@ -137,9 +137,11 @@ def close_layers(rows):
 
     Between the two, further layers may be merged into them.
     """
-    below = pd.DataFrame(rows).bfill().shift(-1).to_numpy() - rows
-    above = rows - pd.DataFrame(rows).ffill().shift(1).to_numpy()
-    return np.fmin(below, above) < CLOSE * LINKING.apart_rows
+    # Rows increase downwards: the nearest layer above is the deepest above, likewise below.
+    gap = np.full((2, *rows.shape), np.nan)
+    gap[0, :-1] = np.fmin.accumulate(rows[:0:-1], axis=0)[::-1] - rows[:-1]
+    gap[1, 1:] = rows[1:] - np.fmax.accumulate(rows[:-1], axis=0)
+    return np.fmin(*gap) < CLOSE * LINKING.apart_rows
 
 
 def doubtful_lines(canonical):
@@ -162,12 +164,15 @@ def on_lines(piece, values, lines):
     after = np.minimum(np.searchsorted(piece.line, lines).clip(1), piece.line.size - 1)
     gap = piece.line[after] - piece.line[after - 1]
     within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= LINKING.longest_lines)
-    known = within | np.isin(lines, piece.line)
+    has_pick = (piece.line[after] == lines) | (piece.line[after - 1] == lines)
+    known = within | has_pick
     return np.where(known, np.interp(lines, piece.line, values), np.nan)
 
 
 def between_lines(values, place):
     """Values interpolated at fractional range lines, NaN where a neighbour is NaN."""
+    if np.array_equal(place, np.arange(values.size)):
+        return values
     left = np.floor(place).astype(int)
     right = np.minimum(left + 1, values.size - 1)
     share = place - left

@@ -204,29 +204,46 @@ def _nothing_taken(n):
 
 @compiled()
 def _take_chains(peaks, rules, taken):
-    """Accept chains until none with enough evidence is left."""
+    """Accept chains until none with enough evidence is left.
+
+    After the first round, evidence is computed anew only where it may have changed: beside the
+    chains that the last round accepted, and as far on as a change spreads.
+    """
     n_chains = 0
     total = np.empty(peaks.row.size, np.float32)
     before = np.empty(peaks.row.size, np.int64)
+    beside = np.ones(peaks.first.size - 1, np.bool_)
     n_before = -1
     while n_chains > n_before:
         n_before = n_chains
+        spreads_to = -1
         for at in range(peaks.first.size - 1):
-            _extend(at, peaks, rules, taken, total, before)
+            if (beside[at] or at <= spreads_to) and _extend(at, peaks, rules, taken, total, before):
+                spreads_to = at + rules.longest_lines
+        beside[:] = False
         ends = np.flatnonzero(total >= rules.evidence_log_odds)
         meets = ~taken.free
         for end in ends[np.argsort(-total[ends], kind="mergesort")]:
+            if meets[end] or not taken.free[end]:
+                continue
             members = _trace(end, peaks, taken, before, meets)
             if members.size:
                 _take(n_chains, members, peaks, rules.apart_rows, taken)
+                stop = taken.stop[n_chains] + rules.longest_lines + 1
+                beside[taken.start[n_chains] : stop] = True
                 n_chains += 1
 
 
 @compiled()
 def _extend(at, peaks, rules, taken, total, before):
-    """Evidence of the best chain to each candidate of line `at`, and its candidate before."""
+    """Evidence of the best chain to each candidate of line `at`, and its candidate before.
+
+    True if either differs from what it was.
+    """
     first, _, row, gain = peaks
     here = slice(first[at], first[at + 1])
+    total_was = total[here].copy()
+    before_was = before[here].copy()
     total[here] = 0
     before[here] = NONE
     for gap in range(1, min(rules.longest_lines, at) + 1):
@@ -248,6 +265,7 @@ def _extend(at, peaks, rules, taken, total, before):
                     before[c] = q
     for c in range(first[at], first[at + 1]):
         total[c] = total[c] + gain[c] if taken.free[c] else -np.inf
+    return (total[here] != total_was).any() or (before[here] != before_was).any()
 
 
 @compiled()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import map_coordinates, uniform_filter
+from scipy.ndimage import map_coordinates
 from scipy.special import expit, logit
 
 from snowsim.echogram import crossing_layers
@@ -18,10 +18,11 @@ from snowsim.tracker.layers import (
     on_lines,
 )
 from snowsim.tracker.linking import LINKING, Candidates, Piece, find_candidates, link
-from snowsim.tracker.windows import log_odds_by_lines, to_input
+from snowsim.tracker.windows import log_odds_by_lines, stretches, to_input
 
 SURFACE_ROWS = 3.0  # a candidate within this distance of the surface is the surface
 MEAN_OVER = (5, 33)  # rows and range lines over which power is averaged to find echoes
+ROWS_BELOW = 16  # rows below the deepest echo that are searched for candidates, so that none is cut
 # No surface is where power rises most but the network detects nothing. In simulations this holds on
 # at most .06 of the lines, in frames that are upside down on .31 or more.
 UNSEEN_SHARE = 0.2
@@ -129,11 +130,12 @@ class Evidence:
 def evidence_of(run, canonical, card):
     """`Evidence` in a canonical frame; `run` gives log-odds of a stack of inputs."""
     threshold = card.threshold_log_odds
-    grid = canonical.grid
     parts = []
-    for _, log_odds, image in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
-        found = find_candidates(log_odds, LINKING, threshold)
+    for _, image, log_odds_of in stretches(run, canonical.image, canonical.grid.n_lines):
         deepest = deepest_row(image, canonical.grey(card.echo_db))
+        # The network need not see the rows of noise alone, which may be most of the frame.
+        log_odds = log_odds_of(min(deepest.max() + ROWS_BELOW, len(image)))
+        found = find_candidates(log_odds, LINKING, threshold)
         parts.append(found.where(found.row <= deepest[found.line]))
     echogram = canonical.echogram
     without_samples = echogram[[name for name in USED_LATER if name in echogram]]
@@ -143,7 +145,14 @@ def evidence_of(run, canonical, card):
 
 def deepest_row(image, grey):
     """Deepest row on each range line whose mean over `MEAN_OVER` is brighter than `grey`."""
-    bright = uniform_filter(image.astype(np.float32), MEAN_OVER, mode="nearest") > grey
+    n_rows, n_lines = MEAN_OVER
+    padded = np.pad(image, ((n_rows // 2,) * 2, (n_lines // 2,) * 2), mode="edge")
+    of_rows = np.zeros((len(image), padded.shape[1]), np.uint16)
+    for row in range(n_rows):
+        of_rows += padded[row : row + len(image)]
+    total = np.zeros((len(image), padded.shape[1] + 1), np.int32)
+    np.cumsum(of_rows, axis=1, dtype=np.int32, out=total[:, 1:])
+    bright = total[:, n_lines:] - total[:, :-n_lines] > grey * (n_rows * n_lines)
     return np.where(bright.any(axis=0), len(image) - bright[::-1].argmax(axis=0), 0)
 
 

@@ -45,20 +45,27 @@ def find_surface(power_db, given):
     power_db = np.pad(power_db, ((n_above, 0), (0, 0)), constant_values=np.nan)
     snow = _means(power_db, SNOW_BINS, LEAST_SNOW_BINS)[first + n_above :]
     air = _means(power_db, AIR_BINS, LEAST_AIR_BINS)[: len(snow)]
-    untold = np.isfinite(snow) & np.isnan(air)
-    rise = np.nan_to_num(snow - air, nan=-np.inf)
-    above = np.take_along_axis(air, rise.argmax(axis=0)[None], axis=0)
-    if untold.any() and np.isfinite(above).any():
+    rise = snow - air
+    unknown = np.isnan(rise)
+    untold = unknown & np.isnan(air) & np.isfinite(snow)
+    rise[unknown] = -np.inf
+    steepest = rise.argmax(axis=0)[None]
+    is_untold = untold.any()
+    above = np.take_along_axis(air, steepest, axis=0)
+    if is_untold and np.isfinite(above).any():
         rise = np.where(untold, snow - np.nanmedian(above), rise)
-    at = first + rise.argmax(axis=0)
+        steepest = rise.argmax(axis=0)[None]
+    (largest,) = np.take_along_axis(rise, steepest, axis=0)
+    at = first + steepest[0]
     near = at + n_above + np.arange(SNOW_BINS)[:, None]
-    near_db = np.take_along_axis(np.nan_to_num(power_db, nan=-np.inf), near, axis=0)
+    near_db = np.nan_to_num(np.take_along_axis(power_db, near, axis=0), nan=-np.inf)
     found = (at + near_db.argmax(axis=0)).astype(float)
-    known &= np.isfinite(rise.max(axis=0))
+    known &= np.isfinite(largest)
     found[known] = without_outliers(found[known])
     found[~known] = np.nan
-    rise = np.where(untold, rise.max(axis=0), rise)
-    return found, _share_of_rise(rise, given - first)
+    if is_untold:
+        rise = np.where(untold, largest, rise)
+    return found, _share_of_rise(rise, largest, given - first)
 
 
 @compiled()
@@ -88,9 +95,8 @@ def _means(power_db, n, n_least):
     return means
 
 
-def _share_of_rise(rise, at):
-    """Rise [dB] at one place of every line, (range_line,), as a share of the line's largest."""
-    largest = rise.max(axis=0)
+def _share_of_rise(rise, largest, at):
+    """Rise [dB] at one place of every line, (range_line,), as a share of the line's `largest`."""
     known = (at >= 0) & (at <= len(rise) - 1) & (largest > 0)
     lines = np.flatnonzero(known)
     share = np.full(at.size, np.nan)

@@ -5,6 +5,8 @@ The result is that of one run over the whole: windows begin on the grid of the c
 the distance from which an output pixel depends on the image.
 """
 
+from functools import partial
+
 import numpy as np
 
 from snowsim.progress import with_progress
@@ -55,22 +57,39 @@ def runner(weights, temperature=1.0, where="weights"):
 def log_odds_by_lines(run, image_of, n_rows, n_lines):
     """Yield first range line, log-odds and image (row, range_line) of each stretch of lines.
 
+    `n_rows` are those of the image; the other arguments are those of `stretches`.
+    """
+    for first, image, log_odds_of in stretches(run, image_of, n_lines):
+        yield first, log_odds_of(n_rows), image
+
+
+def stretches(run, image_of, n_lines):
+    """Yield first range line, image, and function that gives log-odds, of each stretch of lines.
+
     `run` gives log-odds of a stack of inputs, and `image_of(first, stop)` the 8-bit image (row,
-    range_line) of range lines. Only one window of either is in memory.
+    range_line) of range lines. The function takes a number of rows and gives log-odds of so many
+    from the top. Only one window of either is in memory.
     """
     for first in with_progress(range(0, n_lines, WINDOW_LINES), unit="window"):
         stop = min(first + WINDOW_LINES, n_lines)
         left = max(0, first - MARGIN_LINES)
         image = image_of(left, min(stop + MARGIN_LINES, n_lines))
-        log_odds = np.empty((n_rows, stop - first), dtype=np.float32)
-        for top in range(0, n_rows, WINDOW_ROWS):
-            bottom = min(top + WINDOW_ROWS, n_rows)
-            above = max(0, top - MARGIN_ROWS)
-            window = image[above : min(bottom + MARGIN_ROWS, n_rows)]
-            found = run(to_input(window))[0, 0]
-            rows = slice(top - above, bottom - above)
-            log_odds[top:bottom] = found[rows, first - left : stop - left]
-        yield first, log_odds, image[:, first - left : stop - left]
+        lines = slice(first - left, stop - left)
+        yield first, image[:, lines], partial(_log_odds, run, image, lines)
+
+
+def _log_odds(run, image, lines, n_rows):
+    """Log-odds (row, range_line) of the upper `n_rows` rows and some lines of an 8-bit image."""
+    log_odds = np.empty((n_rows, lines.stop - lines.start), dtype=np.float32)
+    # The rows of all windows but the last of the image begin and end on the grid of the pooling.
+    n_computed = min(-(-n_rows // GRID_ROWS) * GRID_ROWS, len(image))
+    for top in range(0, n_rows, WINDOW_ROWS):
+        bottom = min(top + WINDOW_ROWS, n_computed)
+        above = max(0, top - MARGIN_ROWS)
+        window = image[above : bottom + MARGIN_ROWS]
+        found = run(to_input(window))[0, 0, :, lines]
+        log_odds[top:bottom] = found[top - above : min(bottom, n_rows) - above]
+    return log_odds
 
 
 def to_input(image):

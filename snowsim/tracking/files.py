@@ -10,7 +10,6 @@ from snowsim.io.models import shipped_trackers
 from snowsim.limits import check_count
 from snowsim.progress import bar_of_files
 from snowsim.tracking.plan import plan
-from snowsim.tracking.processes import track_side_by_side
 from snowsim.tracking.segments import Output, track_segment
 from snowsim.tracking.trackers import Tracker
 
@@ -96,6 +95,8 @@ def track_files(
 
     try:
         if processes > 1:
+            from snowsim.tracking.processes import track_side_by_side
+
             n_failed += track_side_by_side(tracker, segments, output, processes, say, advance)
         else:
             for segment in segments:

@@ -30,7 +30,6 @@ from snowsim.io.layers import (
     write_layer_files,
     write_layers,
 )
-from snowsim.io.pairs import BLURRED, read_image_as_echogram
 from snowsim.io.pictures import draw_picks, pictures_of
 from snowsim.tracking.trackers import layer_names
 from snowsim.tracking.unfinished import Unfinished
@@ -210,6 +209,9 @@ def _load_and_detect(tracker, file, output, unfinished):
         if output.bin_s is None:
             wanted = "--bin-s, the range bin of an image in seconds"
             raise refusal(path, "image", wanted, "none")
+        # Not above: echograms need no Pillow.
+        from snowsim.io.pairs import BLURRED, read_image_as_echogram
+
         echogram = read_image_as_echogram(path, output.bin_s, content)
         evidence = tracker.detect(echogram, str(path))
         notes = list(evidence.notes)

@@ -17,6 +17,7 @@ from snowsim.tracker import (
     log_odds_by_lines,
     network_of_onnx,
     runner,
+    stretches,
     to_onnx,
 )
 
@@ -67,6 +68,28 @@ def test_an_echogram_in_windows_gives_what_the_whole_gives(network, rng, size, m
     assert np.ptp(whole) > 1e-3
     # Sums of 32-bit products in another order.
     assert_allclose(logits(256), whole, atol=2e-6 * np.abs(whole).max() + 1e-6)
+
+
+@pytest.mark.parametrize("n_rows", [1, 150, 700])
+def test_log_odds_of_upper_rows_are_those_of_the_whole_and_rows_far_below_are_not_seen(
+    network, rng, n_rows
+):
+    image = rng.integers(0, 256, (1000, 64), dtype=np.uint8)
+    network_run = runner(to_onnx(network))
+    seen = []
+
+    def counted(images):
+        seen.append(images.shape[2])
+        return network_run(images)
+
+    ((_, _, log_odds_of),) = stretches(counted, lambda first, stop: image[:, first:stop], 64)
+    whole = log_odds_of(1000)
+    assert seen == [1000]
+    upper = log_odds_of(n_rows)
+    # Up to the next of 16 rows, and the margin of 128.
+    assert n_rows + 128 <= seen[1] < n_rows + 144
+    # Sums of 32-bit products in another order.
+    assert_allclose(upper, whole[:n_rows], atol=2e-6 * np.abs(whole).max() + 1e-6)
 
 
 def test_an_offset_is_taken_off_every_logit_and_what_is_told_stands_in_the_file(network, rng):
