@@ -17,7 +17,7 @@ help:
 	@echo "make test-all      every test: slow ones, whole runs, the study"
 	@echo "make test-machine  Debian packages that the cluster and browser tests need"
 	@echo "make setup         .venv with everything pinned"
-	@echo "make lint          check style"
+	@echo "make lint          check style and types"
 	@echo "make format        mend style"
 	@echo "make benchmarks    time PHY, edge scores and tracking"
 	@echo "make docs          documentation, to build/docs/index.html"
@@ -55,6 +55,7 @@ lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/mypy
 
 format: setup
 	.venv/bin/ruff check --fix .
