@@ -6,7 +6,7 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run help test test-all test-machine setup lint format clean benchmarks docs package-data
+.PHONY: run help test test-all test-machine setup lint format clean benchmarks compare docs package-data
 
 run: setup
 	$(SNAKEMAKE)
@@ -20,6 +20,7 @@ help:
 	@echo "make lint          check style and types"
 	@echo "make format        mend style"
 	@echo "make benchmarks    time PHY, edge scores and tracking"
+	@echo "make compare       speeds of this commit beside those of BASE=HEAD~1"
 	@echo "make docs          documentation, to build/docs/index.html"
 	@echo "make package-data  statistics of the default run and the tracker into the package"
 	@echo "make clean         remove results, logs and caches"
@@ -68,6 +69,11 @@ benchmarks: setup
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
+
+# Speeds of this commit beside those of another: make compare BASE=v0.5.0
+BASE ?= HEAD~1
+compare: setup
+	.venv/bin/python benchmarks/compare_commits.py $(BASE)
 
 # Statistics of the default run's flight, and the tracker that learned from them, to where they are read without a run.
 package-data: setup
