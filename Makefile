@@ -6,7 +6,7 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run help test test-all test-machine setup lint format clean benchmarks docs package-data
+.PHONY: run help test test-all test-machine setup lint format clean benchmarks compare docs package-data
 
 run: setup
 	$(SNAKEMAKE)
@@ -17,9 +17,10 @@ help:
 	@echo "make test-all      every test: slow ones, whole runs, the study"
 	@echo "make test-machine  Debian packages that the cluster and browser tests need"
 	@echo "make setup         .venv with everything pinned"
-	@echo "make lint          check style"
+	@echo "make lint          check style and types"
 	@echo "make format        mend style"
 	@echo "make benchmarks    time PHY, edge scores and tracking"
+	@echo "make compare       speeds of this commit beside those of BASE=HEAD~1"
 	@echo "make docs          documentation, to build/docs/index.html"
 	@echo "make package-data  statistics of the default run and the tracker into the package"
 	@echo "make clean         remove results, logs and caches"
@@ -55,6 +56,7 @@ lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/mypy
 
 format: setup
 	.venv/bin/ruff check --fix .
@@ -67,6 +69,11 @@ benchmarks: setup
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
+
+# Speeds of this commit beside those of another: make compare BASE=v0.5.0
+BASE ?= HEAD~1
+compare: setup
+	.venv/bin/python benchmarks/compare_commits.py $(BASE)
 
 # Statistics of the default run's flight, and the tracker that learned from them, to where they are read without a run.
 package-data: setup

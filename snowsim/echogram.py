@@ -8,6 +8,7 @@ from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100  # as in the published benchmark
@@ -142,7 +143,7 @@ class Scene:
         """Number of range lines."""
         return self.layer_bins.shape[1]
 
-    def mask(self):
+    def mask(self) -> NDArray[np.bool_]:
         """Mask of the annotated layers, bool (range_bin, range_line)."""
         return layer_mask(self.layer_bins, self.n_range_bins)
 

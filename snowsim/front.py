@@ -1,16 +1,21 @@
 """Training scenes for scripts, without a run of the workflow."""
 
+from __future__ import annotations
+
 import dataclasses
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from os import PathLike
 from pathlib import Path
+from typing import Any, overload
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from snowsim.echogram import check_choice, to_uint8
+from snowsim.echogram import Scene, check_choice, to_uint8
 from snowsim.io.files import read_dataset
 from snowsim.io.pairs import SPACING, check_empty, export_pairs
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
@@ -59,16 +64,20 @@ class Scenes(Sequence):
         n_lines = self._recipe.n_range_lines
         return f"Scenes({len(self)} of {height} range bins and {n_lines} range lines)"
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._indices)
 
+    @overload
+    def __getitem__(self, index: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]: ...
+    @overload
+    def __getitem__(self, index: slice) -> Scenes: ...
     def __getitem__(self, index):
         if isinstance(index, slice):
             return Scenes(self._indices[index], self._recipe)
         scene = self.scene(index)
         return scene.image, scene.mask().astype(np.uint8)
 
-    def scene(self, index):
+    def scene(self, index: int) -> Scene:
         """Scene of this number, a `snowsim.echogram.Scene` with image, layers and notes."""
         scene = self._render_scene(index)
         if scene.notes.get("n_pixels_cut") and not self._warned:
@@ -80,7 +89,7 @@ class Scenes(Sequence):
             warnings.warn(msg, UserWarning, stacklevel=3)
         return scene
 
-    def count_cut(self):
+    def count_cut(self) -> tuple[int, int]:
         """Numbers of layer pixels, over all scenes, that `n_range_bins` cuts off, and in total."""
         notes = [self._draw_scene(index)[0].notes for index in range(len(self))]
         return tuple(sum(each.get(name, 0) for each in notes) for name in CUT)
@@ -111,7 +120,7 @@ class Scenes(Sequence):
         counts = dict(zip(CUT, (n_cut, bins.size), strict=True))
         return dataclasses.replace(scene, notes=scene.notes | recipe.spacing | counts), rng
 
-    def write(self, folder, *, indices=None, force=False):
+    def write(self, folder: str | PathLike[str], *, indices=None, force: bool = False):
         """Write all scenes, or those of `indices`, to a folder as image pairs.
 
         Returns the counts of `snowsim.io.pairs.export_pairs`, which describes the layout. A folder
@@ -181,17 +190,17 @@ def _check_power(image, name):
 
 
 def scenes(
-    n,
+    n: int,
     *,
-    statistics="reference",
-    renderer="phy",
-    rng,
-    n_range_lines=256,
-    n_range_bins=None,
-    recipe="measured",
-    n_looks=16,
-    exact=False,
-):
+    statistics: str | PathLike[str] | xr.Dataset = "reference",
+    renderer: str | Callable[[Scene], NDArray[Any]] = "phy",
+    rng: int | np.random.Generator,
+    n_range_lines: int = 256,
+    n_range_bins: int | None = None,
+    recipe: str = "measured",
+    n_looks: float | None = 16,
+    exact: bool = False,
+) -> Scenes:
     """Training scenes, as a sequence that `torch.utils.data.DataLoader` accepts.
 
     Parameters

@@ -4,6 +4,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
+from os import PathLike
 
 import numpy as np
 import pandas as pd
@@ -48,20 +49,20 @@ PICK_SCORES = [
 
 
 def score_folders(
-    predictions,
-    truth,
+    predictions: str | PathLike[str],
+    truth: str | PathLike[str],
     *,
-    picks=False,
-    thresholds="quantiles",
-    suppressed=False,
-    tolerance=0.0075,
-    max_distance_bins=10.0,
-    within_bins=2.0,
-    n_bootstrap=1000,
-    seed=0,
-    processes=1,
-    bin_s=None,
-):
+    picks: bool = False,
+    thresholds: str = "quantiles",
+    suppressed: bool = False,
+    tolerance: float = 0.0075,
+    max_distance_bins: float = 10.0,
+    within_bins: float = 2.0,
+    n_bootstrap: int = 1000,
+    seed: int = 0,
+    processes: int = 1,
+    bin_s: float | None = None,
+) -> pd.DataFrame:
     """Table of edge scores and errors of picks of a tracker, from two folders or two files.
 
     Parameters

@@ -167,3 +167,18 @@ def test_what_a_script_imports_exists(script, monkeypatch):
                 assert hasattr(module, name.name) or find_spec(f"{node.module}.{name.name}"), (
                     name.name
                 )
+
+
+@pytest.mark.parametrize(
+    "package", ["snowsim", "snowsim.io", "snowsim.snowpack", "snowsim.tracker", "snowsim.tracking"]
+)
+def test_stubs_name_what_is_loaded_on_first_use(package):
+    """A type checker reads the stub alone: a name that it lacks would be an error for others."""
+    module = importlib.import_module(package)
+    tables = (getattr(module, name, {}) for name in ("FRONT", "MODULES", "FACE"))
+    loaded = {(f"{package}.{of}", name) for table in tables for of in table for name in table[of]}
+    stub = ast.parse((ROOT / package.replace(".", "/") / "__init__.pyi").read_text())
+    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
+    named = {(node.module, name.name) for node in imports for name in node.names}
+    assert loaded <= named
+    assert all(name in dir(importlib.import_module(of)) for of, name in named)

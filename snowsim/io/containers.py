@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from functools import partial, wraps
 from io import BytesIO
 from pathlib import Path
+from typing import Any, TypeVar
 
 import netCDF4
 import numpy as np
@@ -124,6 +125,9 @@ VALUE_BYTES = 10_000  # least cost of a value in a struct or cell: a file may ha
 NUMBER_BYTES = 4  # size of a number in most large variables (single precision)
 
 
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
 @dataclass(frozen=True)
 class Stored:
     """An opened file: its path, the names of its variables, and a function that reads them.
@@ -137,7 +141,7 @@ class Stored:
     read: Callable
 
 
-def one_line_errors(expected="expected a whole file"):
+def one_line_errors(expected: str = "expected a whole file") -> Callable[[Function], Function]:
     """Decorator of a function of a path or `Stored`: what it raises is one line with the path."""
 
     def decorated(read):

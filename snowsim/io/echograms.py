@@ -2,6 +2,7 @@
 
 import re
 from numbers import Integral
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +67,9 @@ def frame_in(echogram, path):
 
 
 @one_line_errors()
-def read_echogram(path, *, compensated=False, source=None):
+def read_echogram(
+    path: str | PathLike[str], *, compensated: bool = False, source: str | None = None
+) -> xr.Dataset:
     """Echogram dataset of a file; its format follows from its content.
 
     Parameters

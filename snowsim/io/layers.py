@@ -4,6 +4,8 @@ import hashlib
 import itertools
 import re
 import warnings
+from collections.abc import Iterable, Sequence
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +75,9 @@ NOT_PICKED = -(2**31)  # in place of a number of steps
 CRESIS_NAMES = {"gps_time": "GPS_time", "lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
 
 
-def read_layers(path, *, names=None, missing="refuse"):
+def read_layers(
+    path: str | PathLike[str], *, names: Sequence[str] | None = None, missing: str = "refuse"
+) -> xr.Dataset:
     """Layers dataset of a file; its format follows from its content.
 
     Parameters
@@ -130,7 +134,7 @@ def _read_layers(path, names, missing):
     return select_layers(layers, names, missing, stored.path)
 
 
-def open_segment(paths):
+def open_segment(paths: Iterable[str | PathLike[str]]) -> xr.Dataset:
     """Layers of all frames of a segment as one dataset, in order of time.
 
     Parameters
@@ -660,7 +664,7 @@ def rounded(layers):
     return layers
 
 
-def write_layers(path, layers, *, force=False):
+def write_layers(path: str | PathLike[str], layers: xr.Dataset, *, force: bool = False) -> None:
     """Write layers as NetCDF, with all variables of the dataset; those of `STEPS` are rounded.
 
     They may be of one frame or, with `frame` along slow_time, of a segment.

@@ -1,7 +1,10 @@
 """Scene sets: NetCDF files of many scenes of different heights, read scene by scene."""
 
 import json
+from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
+from typing import Self
 
 import netCDF4
 import numpy as np
@@ -158,7 +161,7 @@ class SceneSet:
         If a file is not a scene file, or is truncated.
     """
 
-    def __init__(self, paths):
+    def __init__(self, paths: str | PathLike[str] | Iterable[str | PathLike[str]]) -> None:
         self._files = []
         self._where = []
         for path in [paths] if isinstance(paths, str | Path) else paths:
@@ -177,10 +180,10 @@ class SceneSet:
                     self._where.append((file, groups, index))
         self.attributes = self._files[0].__dict__ if self._files else {}
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._where)
 
-    def __getitem__(self, item):
+    def __getitem__(self, item: int) -> Scene:
         file, groups, index = self._where[item]
         with library_errors(file.filepath(), f"scene {index}: expected one that can be read"):
             values, *held = (group.read(index) for group in groups)
@@ -192,15 +195,15 @@ class SceneSet:
                     values[name] = values[name].astype(float)
             return Scene(**values | {"notes": json.loads(values["notes"])})
 
-    def close(self):
+    def close(self) -> None:
         """Close the files."""
         for file in self._files:
             file.close()
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *exception):
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
 

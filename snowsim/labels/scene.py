@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from snowsim.echogram import Scene, scene_height, zone_of
 from snowsim.labels.echoes import VARIES, add_echoes, echoes_of_layers, values_of
@@ -91,7 +92,9 @@ class LabelModel:
         return first_bins * relative
 
 
-def prepare(statistics, n_range_lines, *, nonstationary=None):
+def prepare(
+    statistics: xr.Dataset, n_range_lines: int, *, nonstationary: Nonstationary | None = None
+) -> LabelModel:
     """Model from which many scenes are drawn, made of flight statistics.
 
     Parameters
@@ -124,7 +127,9 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     return LabelModel(n_range_lines, statistics, values, nonstationary or Nonstationary())
 
 
-def draw(statistics, n_range_lines, *, rng):
+def draw(
+    statistics: xr.Dataset | LabelModel, n_range_lines: int, *, rng: int | np.random.Generator
+) -> NDArray[np.floating]:
     """Layers of one scene.
 
     Parameters
@@ -168,7 +173,13 @@ def draw(statistics, n_range_lines, *, rng):
     return draw_scene(statistics, n_range_lines, name="", rng=generator(rng)).layer_bins
 
 
-def draw_scene(statistics, n_range_lines, *, name, rng):
+def draw_scene(
+    statistics: xr.Dataset | LabelModel,
+    n_range_lines: int,
+    *,
+    name: str,
+    rng: int | np.random.Generator,
+) -> Scene:
     """One scene with all layers labelled, its zone, its echoes and notes.
 
     Returns

@@ -1,6 +1,7 @@
 """Similarity of two 8-bit echograms: RMSE, PSNR and SSIM."""
 
 import numpy as np
+from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
 DATA_RANGE = 255
@@ -8,7 +9,7 @@ WINDOW_SIGMA = 1.5  # [pixels]
 WINDOW_RADIUS = 5  # [pixels], 3.5 sigma rounded: scikit-image cuts the window off there
 
 
-def similarity(image, reference):
+def similarity(image: NDArray[np.uint8], reference: NDArray[np.uint8]) -> dict[str, float]:
     """RMSE, PSNR and SSIM of an image against a reference.
 
     Parameters

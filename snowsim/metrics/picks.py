@@ -5,6 +5,7 @@ Sums can be pooled over many scenes, for example by training set, accumulation z
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike, NDArray
 
 from snowsim.compiling import compiled
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
@@ -27,7 +28,9 @@ SUMS = (
 )
 
 
-def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
+def match_picks(
+    picks: ArrayLike, layer_bins: ArrayLike, *, max_distance_bins: float = 10.0
+) -> tuple[NDArray[np.floating], NDArray[np.bool_]]:
     """Errors of picks, and a mask of the picks that belong to a true layer.
 
     `picks` and `layer_bins` are (layer, range_line) in range bins. Picks are assigned to layers

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from snowsim.compiling import compiled
 from snowsim.echogram import Echoes, Kind, check_layer_bins
@@ -50,9 +51,15 @@ class Waveforms:
 
 
 def mean_power(
-    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, *,
-    exact=False, as_printed=False,
-):  # fmt: skip
+    layer_bins: ArrayLike,
+    peak_power: ArrayLike,
+    variance_bins2: ArrayLike,
+    decay_rate: ArrayLike,
+    n_range_bins: int,
+    *,
+    exact: bool = False,
+    as_printed: bool = False,
+) -> NDArray[np.floating]:
     """Mean power of layered snow, without noise.
 
     Neglected: correlation between layers, off-nadir energy other than in the decay, surface

@@ -1,8 +1,11 @@
 """Layers and their parameters to one scene's power after M looks."""
 
 import dataclasses
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from snowsim.constants import NEPERS
 from snowsim.echogram import to_uint8
@@ -15,7 +18,15 @@ REQUIRED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_look
 OPTIONAL = ("speckle_correlation", "line_gain_spread_db")
 
 
-def render(layer_bins, parameters, n_range_bins, *, rng, exact=False, as_printed=False):
+def render(
+    layer_bins: ArrayLike,
+    parameters: Mapping[str, Any],
+    n_range_bins: int,
+    *,
+    rng: int | np.random.Generator,
+    exact: bool = False,
+    as_printed: bool = False,
+) -> NDArray[np.floating]:
     """Power of one scene after M looks.
 
     Parameters

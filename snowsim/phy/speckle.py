@@ -3,6 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammainccinv, gammaincinv, ndtr, ndtri
 
 from snowsim.compiling import compiled
@@ -22,7 +23,14 @@ QUANTILE_REACH = 8  # half the width of the table of quantiles, in deviations of
 PER_UNIT = 256  # values of that table in a deviation
 
 
-def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
+def draw_speckle(
+    mean_power: ArrayLike,
+    n_looks: float,
+    *,
+    method: str = "gamma",
+    correlation: ArrayLike | None = None,
+    rng: int | np.random.Generator,
+) -> NDArray[np.floating]:
     """Power after averaging M looks.
 
     Parameters

@@ -1,8 +1,10 @@
 """Depth and mass below the snow surface, for one density, for a profile, or for firn."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.limits import check_values
@@ -17,6 +19,14 @@ SNOW_DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
 GREENLAND_LIMITS_DEG = ((59, 84), (-74, -10))  # latitude and longitude
 DEEPEST_M = 500.0  # snow of one density ends at this depth
 DEEPEST_FIRN_M_WE = 200.0  # Herron & Langway's firn ends below this mass
+
+
+class DensityProfile(Protocol):
+    """What a measured profile of density has, such as `snowsim.io.profiles.Profile`."""
+
+    depth_m: NDArray[np.floating]
+    density_kg_m3: NDArray[np.floating]
+    thickness_m: NDArray[np.floating] | None
 
 
 def temperature_k_of(layers):

@@ -1,8 +1,9 @@
 """Agreement of the layers of two passes over the same snow, where no truth is known."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from scipy.optimize import linear_sum_assignment
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
 from snowsim.limits import check_values
 from snowsim.progress import with_progress
+from snowsim.snowpack.column import DensityProfile
 from snowsim.snowpack.meetings import Track, find_places, track_of
 from snowsim.snowpack.snow import accumulation
 
@@ -71,7 +73,14 @@ ON_ANNUAL = {
 ON = {"place": ON_PLACE, "layer": ON_LAYER, "annual": ON_ANNUAL}
 
 
-def agreement(segments, density=None, *, within_m=50.0, tolerance_years=0.25, **dating):
+def agreement(
+    segments: Iterable[xr.Dataset] | Mapping[str, xr.Dataset],
+    density: float | DensityProfile | None = None,
+    *,
+    within_m: float = 50.0,
+    tolerance_years: float = 0.25,
+    **dating: Any,
+) -> xr.Dataset:
     """Agreement of layers and accumulation where tracks cross or overlap, without any truth.
 
     Parameters

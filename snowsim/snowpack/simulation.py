@@ -26,6 +26,7 @@ from snowsim.snowpack.horizons import YEAR_DAYS
 from snowsim.snowpack.physical import (
     Climate,
     Radar,
+    Snowpack,
     depth_and_water,
     physical_parameters,
 )
@@ -46,7 +47,15 @@ FLAG_VALUES = {"quality": 1, "type": 2}  # good; automatic
 LINES_AT_ONCE = 1024  # range lines rendered at once, to save memory
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False, date=DATE):
+def simulate(
+    snowpack: Snowpack | Climate,
+    radar: Radar | str,
+    *,
+    n_range_lines: int | None = None,
+    rng: int | np.random.Generator,
+    exact: bool = False,
+    date: str | Date = DATE,
+) -> tuple[xr.Dataset, xr.Dataset]:
     """Echogram of a snowpack, and its true layers.
 
     Parameters

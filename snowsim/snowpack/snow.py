@@ -1,7 +1,9 @@
 """Depth, age and accumulation of the snow between picked layers."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -10,8 +12,12 @@ from snowsim.alignment import with_fixes
 from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers, is_surface
 from snowsim.limits import check_values
-from snowsim.snowpack.column import column_of, temperature_k_of
+from snowsim.snowpack.column import DensityProfile, column_of, temperature_k_of
 from snowsim.snowpack.horizons import NINE_IN_TEN_SD, date_layers, typical_mass_of_layers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 # Density at the surface if none is given. With it, the density of Herron & Langway's firn below 1 m
 # is within 3 % of the medians of 391 Greenland cores from above 2500 m.
@@ -57,17 +63,17 @@ LEAST_SURE = 0.8  # least confidence of a date without a flag
 
 
 def accumulation(
-    layers,
-    density=None,
+    layers: "xr.Dataset",
+    density: float | DensityProfile | None = None,
     *,
-    year=None,
-    annual=None,
-    expected_m=None,
-    expected_error=0.3,
-    temperature_k=None,
-    density_error=0.05,
-    least_confidence=0.5,
-):
+    year: int | Mapping[str, int] | None = None,
+    annual: bool | None = None,
+    expected_m: float | None = None,
+    expected_error: float = 0.3,
+    temperature_k: float | None = None,
+    density_error: float = 0.05,
+    least_confidence: float = 0.5,
+) -> "xr.Dataset":
     """Accumulation of every year between picked layers, along the track.
 
     Parameters

@@ -1,6 +1,7 @@
 """Statistics of a flight by either estimator, from its frames or from their merged summary."""
 
 import warnings
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -47,7 +48,9 @@ UNITS = {
 }  # by the ending of the name
 
 
-def fit(frames, *, estimator="deblended"):
+def fit(
+    frames: Iterable[tuple[xr.Dataset, xr.Dataset]], *, estimator: str = "deblended"
+) -> xr.Dataset:
     """Statistics of a flight.
 
     Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range

@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass
 
 import numpy as np
+import xarray as xr
 
 from snowsim.echogram import check_choice
 from snowsim.limits import check_statistics
@@ -115,7 +116,9 @@ class Variation:
         return cls(**drawn)
 
 
-def varied(statistics, *, rng, ranges=None):
+def varied(
+    statistics: xr.Dataset, *, rng: int | np.random.Generator, ranges: "Ranges | None" = None
+) -> xr.Dataset:
     """Statistics of another climate and radar, drawn about those of a flight.
 
     Drawn are thickness of snow, lengths of pulse and tail, noise, power of unpicked snow, gain from

@@ -6,6 +6,7 @@ weighted sum of the side outputs.
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
 
@@ -136,7 +137,9 @@ def enlarge(x, factors, *, align_corners=False):
     )
 
 
-def track(network, image, *, precision="float32"):
+def track(
+    network: torch.nn.Module, image: NDArray[np.uint8], *, precision: str = "float32"
+) -> NDArray[np.float32]:
     """Probability of a layer from each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
     `network` is a `trained_network`. `image` is uint8 (range_bin, range_line) of any size;

@@ -1,14 +1,18 @@
 """Training of the tracker, by the small recipe or the published one; resumable exactly."""
 
 import math
+from collections.abc import Iterator, Mapping
 
 import torch
+from numpy.typing import ArrayLike
 
 from snowsim.constants import OUTPUTS
 from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream
+from snowsim.settings import TrackerSettings
 from snowsim.tracker.network import MultiScaleNetwork, PyramidNetwork, balanced_cross_entropy
 from snowsim.tracker.published import PublishedNetwork, published_optimiser, published_training
+from snowsim.tracker.sampling import TrainingSet
 from snowsim.training import (
     Resumable,
     Step,
@@ -32,7 +36,9 @@ def network_of(settings):
     return kind(settings.width, settings.n_averaged)
 
 
-def trained_network(weights, settings, *, device="cpu"):
+def trained_network(
+    weights: Mapping[str, ArrayLike], settings: TrackerSettings, *, device: str = "cpu"
+) -> torch.nn.Module:
     """Network for `track` from its weights (dict of arrays) and the `Settings` of its training."""
     network = load_weights(network_of(settings), weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()
@@ -92,7 +98,9 @@ class Training(Resumable):
             weights.grad = copy_like(weights, sums)
 
 
-def train_steps(training, scenes, *, n_workers=0):
+def train_steps(
+    training: "Training", scenes: TrainingSet, *, n_workers: int = 0
+) -> Iterator[tuple[int, dict[str, float]]]:
     """Train to the last step, one gradient at a time, from the step that `training` has reached.
 
     Parameters

@@ -1,7 +1,9 @@
 """The trained tracker, for echograms in memory."""
 
 import warnings
+from os import PathLike
 from pathlib import Path
+from typing import Self
 
 import xarray as xr
 
@@ -19,7 +21,7 @@ from snowsim.tracker import (
 )
 
 
-def list_pretrained():
+def list_pretrained() -> list[str]:
     """Names that `Tracker.from_pretrained` knows."""
     return sorted(shipped_trackers())
 
@@ -56,14 +58,14 @@ class Tracker:
         return type(self), self._given
 
     @classmethod
-    def from_pretrained(cls, name="universal"):
+    def from_pretrained(cls, name: str = "universal") -> Self:
         """Load one of the trackers that `list_pretrained` names."""
         shipped = shipped_trackers()
         check_choice("a tracker that comes with the package", name, shipped)
         return cls.load(shipped[name])
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | PathLike[str]) -> Self:
         """Load a tracker from an ONNX file and the card beside it, NAME.json.
 
         ValueError unless both files are whole, belong together and are of this version.
@@ -75,7 +77,7 @@ class Tracker:
         weights, card = read_tracker(path)
         return cls(weights, card, str(path))
 
-    def annotate(self, echogram):
+    def annotate(self, echogram: xr.Dataset) -> xr.DataArray:
         """Probability of a layer at every pixel, DataArray on the echogram's own axes.
 
         It is NaN above and below the rows that the tracker was given.
@@ -89,7 +91,7 @@ class Tracker:
             probability, coordinates, ("twtt", "slow_time"), "probability", attributes
         )
 
-    def pick(self, echogram):
+    def pick(self, echogram: xr.Dataset) -> xr.Dataset:
         """Layers of an echogram, a dataset like that of `snowsim.io.read_layers`.
 
         `twtt` [s] is (layer, slow_time): layer 0 is the surface, NaN means no pick. `confidence` is

@@ -1,17 +1,22 @@
 """What the tutorials tell a reader to do works, word for word, in a fresh copy."""
 
 import os
+import re
+import shlex
 import shutil
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
+from click.testing import CliRunner
 from pages import blocks, save_named
 from processes import ROOT, run_in
 from snakemake.utils import update_config
 
 import snowsim
+from snowsim.cli import commands
 
 NOT_COPIED = shutil.ignore_patterns(
     ".git",
@@ -60,6 +65,7 @@ def clone(tmp_path_factory):
                 "results/tables/table2.csv": 1,
                 "results/tables/table3.csv": 1,
                 "snakemake_report.html": 1e5,
+                "moved/results/labels/0000.nc": 1,
             },
         ),
         (
@@ -77,29 +83,77 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made, monkeypat
         python = [clone / ".venv/bin/python", "-c", code]
         printed = run_in(clone, *(shell if language == "bash" else python))
         # Stages asked for one by one leave nothing to do for the whole.
-        if code.rstrip().endswith("snakemake -n"):
+        if re.search(r"snakemake -n( --directory moved -- labels)?$", code.rstrip()):
             assert "Nothing to be done" in printed
     assert all((clone / name).stat().st_size >= least for name, least in made.items())
 
 
-def test_code_on_the_other_pages_runs(tmp_path):
-    # As tracked, for the page that corrects picks.
-    climate = snowsim.Climate(accumulation_m=0.3)
-    _, layers = snowsim.simulate(climate, "snow-2012", n_range_lines=1000, rng=1)
-    layers["layer"] = ["surface", *(f"snow_{n}" for n in range(1, layers.sizes["layer"]))]
-    of_tracker = {f"twtt_{end}": layers["twtt"] for end in ("low", "high")}
-    tracked = layers[["twtt", "quality", "type", "Latitude", "Longitude", "Elevation"]]
-    tracked = tracked.assign(confidence=layers["twtt"], **of_tracker)
-    names = [f"Data_20120330_04_00{n}" for n in (1, 2)]
-    frames = [
-        snowsim.io.layers.with_frame(tracked.isel(slow_time=lines), name)
-        for name, lines in zip(names, (slice(0, 500), slice(500, 1000)), strict=True)
-    ]
-    snowsim.io.write_layers(
-        tmp_path / "20120330_04_layers.nc", snowsim.io.layers.join_frames(frames)
+def commands_of(code, folder):
+    """Arguments of every `snowsim` command of a block, names of files expanded."""
+    for line in code.splitlines():
+        if line.startswith("snowsim "):
+            words = shlex.split(line)[1:]
+            yield [
+                name
+                for word in words
+                for name in (
+                    sorted(path.name for path in folder.glob(word)) if "*" in word else [word]
+                )
+            ]
+
+
+def test_the_tutorial_of_layers_leads_to_dated_accumulation(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for language, code in blocks(ROOT / "docs/start/layers.md"):
+        if language == "python":
+            exec(compile(code, "layers.md", "exec"), {})
+            continue
+        # In this process, on less than half of the lines and without pictures: it is quick.
+        code = code.replace("--range-lines 512", "--range-lines 200").replace(" --png", "")
+        for name, content in re.findall(r"^cat > (\S+) <<'CSV'\n(.*?)^CSV$", code, re.M | re.S):
+            (tmp_path / name).write_text(content)
+        for arguments in commands_of(code, tmp_path):
+            result = CliRunner().invoke(commands, arguments, catch_exceptions=False)
+            assert result.exit_code == 0, result.output
+    by_tracker, by_core = (
+        pd.read_csv(f"{name}_years.csv").set_index("year")["accumulation_m_we"]
+        for name in ("accumulation", "by_core")
     )
-    pages = [ROOT / "docs/start/add-your-own.md", *sorted((ROOT / "docs/stages").glob("*.md"))]
+    # Twenty years of .3 m w.e. a year in the mean, which vary by a fifth.
+    assert len(by_tracker) > 12
+    assert by_tracker.mean() == pytest.approx(0.3, rel=0.15)
+    # Other densities, the same layers.
+    assert 0.001 < abs(by_core / by_tracker - 1).max() < 0.1
+    corrected = snowsim.io.open_segment([tmp_path / "corrected_layers.nc"])
+    assert "snow_4" not in corrected["layer"].values
+    is_picked = corrected["twtt"].sel(layer="snow_7").notnull().groupby("frame").any()
+    assert is_picked.values.tolist() == [True, True, False]
+    added = snowsim.io.read_layers(tmp_path / "added_layers.nc")
+    names = added["layer"].values.tolist()
+    assert names[names.index("by_hand") - 1 :][:3] == ["snow_5", "by_hand", "snow_6"]
+    assert added["Latitude"].dims == ("slow_time",)
+    below = added["twtt"].notnull()
+    assert (added["twtt_low"] <= added["twtt"]).where(below, True).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["layers", "trackers"])
+def test_a_tutorial_works_word_for_word_in_an_empty_folder(tmp_path, page, monkeypatch):
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
+    # Of the same kind, with fewer scenes and steps.
+    smaller = {"-n 400": "-n 12", "-n 20": "-n 2", "--steps 500": "--steps 20"}
+    for language, code in blocks(ROOT / f"docs/start/{page}.md"):
+        for word, other in smaller.items():
+            code = code.replace(word, other)
+        shell = ["bash", "-euo", "pipefail", "-c", f"exec 2>&1\n{code}"]
+        run_in(tmp_path, *(shell if language == "bash" else [sys.executable, "-c", code]))
+    assert len(list(tmp_path.rglob("*.png"))) > 1
+
+
+def test_code_on_the_other_pages_runs(tmp_path):
+    pages = [ROOT / f"docs/start/{name}.md" for name in ("add-your-own", "trackers")]
     save_named(pages[0], tmp_path)
+    pages += sorted((ROOT / "docs/stages").glob("*.md"))
     # One process for all, in which no block sees what another named.
     program = [
         f"exec(compile({code!r}, {page.name!r}, 'exec'), {{}})"
@@ -109,12 +163,3 @@ def test_code_on_the_other_pages_runs(tmp_path):
     ]
     assert program
     run_in(tmp_path, sys.executable, "-c", "\n".join(program))
-    corrected = snowsim.io.open_segment([tmp_path / "corrected_layers.nc"])
-    assert "snow_4" not in corrected["layer"].values
-    is_picked = corrected["twtt"].sel(layer="snow_7").notnull().groupby("frame").any()
-    assert is_picked.values.tolist() == [True, False]
-    added = snowsim.io.read_layers(tmp_path / "added_layers.nc")
-    assert added["layer"].values.tolist()[5:8] == ["snow_5", "by_hand", "snow_6"]
-    assert added["Latitude"].dims == ("slow_time",)
-    assert (added["twtt_low"] <= added["twtt"]).all()
-    assert snowsim.accumulation(added).sizes["year"] == added.sizes["layer"] - 2

@@ -1,6 +1,7 @@
 """Matched and unmatched pixels of one edge map at every threshold."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from snowsim.limits import check_values
 from snowsim.metrics.edges.matching import Matching
@@ -47,7 +48,14 @@ def thresholds_of(edges):
     return values[((1 - share) * values.size).astype(int)]
 
 
-def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True):
+def match_counts(
+    prediction: ArrayLike,
+    truth: ArrayLike,
+    thresholds: ArrayLike,
+    *,
+    max_dist: float = 0.0075,
+    thin: bool = True,
+) -> dict[str, NDArray[np.integer]]:
     """Numbers of matched and of all pixels of one image, predicted and true, at every threshold.
 
     The map is not suppressed here: pass `suppress(prediction)` for the usual scores.

@@ -1,6 +1,9 @@
 """Scores of a set of images from their counts: ODS, OIS, AP and the precision-recall curve."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from snowsim.limits import check_values
 
@@ -24,7 +27,12 @@ def select_images(counts, images):
     return {name: values[images] for name, values in counts.items()}
 
 
-def score(counts, thresholds=None, *, as_published=False):
+def score(
+    counts: Sequence[Mapping[str, ArrayLike]],
+    thresholds: ArrayLike | None = None,
+    *,
+    as_published: bool = False,
+) -> dict[str, float]:
     """ODS, OIS and AP of a set of images.
 
     Parameters

@@ -1,6 +1,7 @@
 """Non-maximum suppression of an edge map to edges of one pixel, as is usual for HED."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import correlate1d
 
 from snowsim.compiling import compiled
@@ -29,7 +30,9 @@ def check_prediction(prediction, where="image"):
     return prediction.astype(np.float64)
 
 
-def suppress(prediction, *, added_curvature=CURVATURE, where="image"):
+def suppress(
+    prediction: ArrayLike, *, added_curvature: float = CURVATURE, where: str = "image"
+) -> NDArray[np.floating]:
     """Non-maximum-suppressed edge map: a ridge of any width becomes a line of about one pixel.
 
     Parameters

@@ -1,0 +1,35 @@
+"""What type checkers read in place of names that are loaded on first use."""
+
+from snowsim.echogram import echogram as echogram
+from snowsim.io.echograms import read_echogram as read_echogram
+from snowsim.io.files import read_dataset as read_dataset
+from snowsim.io.files import read_table as read_table
+from snowsim.io.files import write_dataset as write_dataset
+from snowsim.io.files import write_table as write_table
+from snowsim.io.files import written_whole as written_whole
+from snowsim.io.frames import check_frames as check_frames
+from snowsim.io.frames import read_frame as read_frame
+from snowsim.io.frames import read_frames as read_frames
+from snowsim.io.layers import open_segment as open_segment
+from snowsim.io.layers import open_segments as open_segments
+from snowsim.io.layers import read_layers as read_layers
+from snowsim.io.layers import write_layer_files as write_layer_files
+from snowsim.io.layers import write_layers as write_layers
+from snowsim.io.models import fingerprint as fingerprint
+from snowsim.io.models import read_model as read_model
+from snowsim.io.models import read_tracker as read_tracker
+from snowsim.io.models import write_model as write_model
+from snowsim.io.pairs import PairSet as PairSet
+from snowsim.io.pairs import export_pairs as export_pairs
+from snowsim.io.pairs import layer_numbers as layer_numbers
+from snowsim.io.pairs import layers_of_labels as layers_of_labels
+from snowsim.io.pairs import read_image as read_image
+from snowsim.io.pairs import read_mask as read_mask
+from snowsim.io.pairs import read_pair as read_pair
+from snowsim.io.pairs import write_image as write_image
+from snowsim.io.pictures import write_picture as write_picture
+from snowsim.io.place_pictures import write_places as write_places
+from snowsim.io.profiles import Profile as Profile
+from snowsim.io.profiles import read_profile as read_profile
+from snowsim.io.scenes import SceneSet as SceneSet
+from snowsim.io.scenes import write_scenes as write_scenes

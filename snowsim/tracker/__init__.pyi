@@ -1,0 +1,62 @@
+"""What type checkers read in place of names that are loaded on first use."""
+
+from snowsim.constants import OUTPUTS as OUTPUTS
+from snowsim.settings import TrackerSettings
+from snowsim.settings import published_settings as published_settings
+from snowsim.tracker.calibration import WITHIN_BINS as WITHIN_BINS
+from snowsim.tracker.calibration import Calibration as Calibration
+from snowsim.tracker.calibration import Ridges as Ridges
+from snowsim.tracker.calibration import calibrate as calibrate
+from snowsim.tracker.calibration import edge_counts as edge_counts
+from snowsim.tracker.calibration import fit_logistic as fit_logistic
+from snowsim.tracker.calibration import fit_logits as fit_logits
+from snowsim.tracker.calibration import near_a_layer as near_a_layer
+from snowsim.tracker.calibration import reliability as reliability
+from snowsim.tracker.calibration import ridges_of as ridges_of
+from snowsim.tracker.card import CONFIDENCE as CONFIDENCE
+from snowsim.tracker.card import Card as Card
+from snowsim.tracker.card import checked_card as checked_card
+from snowsim.tracker.card import make_card as make_card
+from snowsim.tracker.inputs import Canonical as Canonical
+from snowsim.tracker.inputs import Grid as Grid
+from snowsim.tracker.inputs import canonical as canonical
+from snowsim.tracker.joining import join as join
+from snowsim.tracker.layers import between_lines as between_lines
+from snowsim.tracker.layers import confidence as confidence
+from snowsim.tracker.layers import confident_pieces as confident_pieces
+from snowsim.tracker.layers import features as features
+from snowsim.tracker.layers import half_width_rows as half_width_rows
+from snowsim.tracker.layers import on_lines as on_lines
+from snowsim.tracker.linking import Candidates as Candidates
+from snowsim.tracker.linking import Linking as Linking
+from snowsim.tracker.linking import Piece as Piece
+from snowsim.tracker.linking import find_candidates as find_candidates
+from snowsim.tracker.linking import link as link
+from snowsim.tracker.network import MultiScaleNetwork as MultiScaleNetwork
+from snowsim.tracker.network import PyramidNetwork as PyramidNetwork
+from snowsim.tracker.network import balanced_cross_entropy as balanced_cross_entropy
+from snowsim.tracker.network import fused_logits as fused_logits
+from snowsim.tracker.network import logits_of as logits_of
+from snowsim.tracker.network import track as track
+from snowsim.tracker.picks import Evidence as Evidence
+from snowsim.tracker.picks import deepest_row as deepest_row
+from snowsim.tracker.picks import evidence_of as evidence_of
+from snowsim.tracker.picks import layers_of_frames as layers_of_frames
+from snowsim.tracker.picks import pick_layers as pick_layers
+from snowsim.tracker.picks import pieces_in as pieces_in
+from snowsim.tracker.picks import probability_of as probability_of
+from snowsim.tracker.picks import rows_in_image as rows_in_image
+from snowsim.tracker.portable import network_of_onnx as network_of_onnx
+from snowsim.tracker.portable import to_onnx as to_onnx
+from snowsim.tracker.published import PublishedNetwork as PublishedNetwork
+from snowsim.tracker.sampling import Completed as Completed
+from snowsim.tracker.sampling import TrainingSet as TrainingSet
+from snowsim.tracker.sampling import copy_shown as copy_shown
+from snowsim.tracker.train import Training as Training
+from snowsim.tracker.train import rate_factor as rate_factor
+from snowsim.tracker.train import train_steps as train_steps
+from snowsim.tracker.train import trained_network as trained_network
+from snowsim.tracker.windows import log_odds_by_lines as log_odds_by_lines
+from snowsim.tracker.windows import runner as runner
+
+Settings = TrackerSettings
