@@ -23,6 +23,7 @@ NEGLIGIBLE_POINT = 1e-4
 NEGLIGIBLE_NAMED_POINT = 1e-15  # the same, if the age of a layer is known
 NEGLIGIBLE_STEP = 1e-16  # numbers of years between two picks that are less probable are left out
 NEGLIGIBLE_AGE = 1e-20  # the same of ages, relative to a pick's most probable one
+MOST_LOST = 1e-6  # largest probability of sequences with more ages than are considered
 
 
 @dataclass(frozen=True)
@@ -231,13 +232,20 @@ class _Parts:
     """What a recursion over ages needs: probabilities at the points of a `grid`.
 
     They are `starts` (pick, age, point), the numbers of years and their probabilities (n, point)
-    `steps` by pair of picks, and `ends` (pick, point).
+    `steps` by pair of picks, and `ends` (pick, point). `log_total` is the logarithm of the
+    probability of all sequences at these points, by the sums over all ages.
     """
 
     grid: _Grid
+    log_total: float
     starts: np.ndarray
     steps: dict
     ends: np.ndarray
+
+    @property
+    def n_ages(self):
+        """Number of ages that are considered."""
+        return self.starts.shape[1]
 
 
 def posterior(series, rates=TRACKED, expected_m=None, expected_error=0.3):
@@ -269,7 +277,14 @@ def posterior(series, rates=TRACKED, expected_m=None, expected_error=0.3):
     negligible = NEGLIGIBLE_NAMED_POINT if known else NEGLIGIBLE_POINT
     parts = _parts(series, grid, rates, known, sums, log_total, negligible)
     forward, log_forward, n_ages = _forward(parts, known)
-    log_total = _log_total(forward, log_forward, parts.ends)
+    found = _log_total(forward, log_forward, parts.ends)
+    # Layers with far less snow than a sharply expected mass have more ages than that mass has.
+    while parts.n_ages < len(sums.gaps) and np.exp(found - parts.log_total) < 1 - MOST_LOST:
+        most = 2 * parts.n_ages
+        parts = _parts(series, grid, rates, known, sums, log_total, negligible, most)
+        forward, log_forward, n_ages = _forward(parts, known)
+        found = _log_total(forward, log_forward, parts.ends)
+    log_total = found
     if not np.isfinite(log_total):
         msg = "year: no number of years between the named layers fits the layers between them"
         raise ValueError(msg)
@@ -351,15 +366,17 @@ def _sums(series, grid, rates, known):
     return _Sums(years, gaps, ends, log_steps, log_above, log_weight)
 
 
-def _parts(series, grid, rates, known, sums, log_total, negligible):
+def _parts(series, grid, rates, known, sums, log_total, negligible, n_ages=0):
     """`_Parts` without points and steps that are negligible beside `log_total`.
 
-    `negligible` is the probability of a point that is left out.
+    `negligible` is the probability of a point that is left out. At least `n_ages` ages are
+    considered, if the sums have as many.
     """
     # If all are impossible, none is negligible.
     kept = (sums.log_weight > log_total + np.log(negligible)) | ~np.isfinite(log_total)
     grid = grid.subset(kept)
-    n_ages = len(sums.gaps) if known else _n_ages(series, grid, known)
+    n_ages = len(sums.gaps) if known else max(n_ages, _n_ages(series, grid, known))
+    n_ages = min(n_ages, len(sums.gaps))
     gaps = sums.gaps[:n_ages, kept]
     ends = sums.ends[:, kept]
     with np.errstate(divide="ignore"):
@@ -379,7 +396,9 @@ def _parts(series, grid, rates, known, sums, log_total, negligible):
             few = own @ np.exp(log_rest) < NEGLIGIBLE_STEP
             if not few.all():
                 steps[pair] = numbers[~few], own[~few]
-    return _Parts(grid, _starts(series, grid, rates, known, n_ages), steps, ends)
+    starts = _starts(series, grid, rates, known, n_ages)
+    log_kept = np.logaddexp.reduce(sums.log_weight[kept])
+    return _Parts(grid, log_kept, starts, steps, ends)
 
 
 def _lognormal(log_ratio, variance):

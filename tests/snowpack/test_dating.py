@@ -11,6 +11,7 @@ from snowsim.snowpack import dating
 from snowsim.snowpack.dating import (
     ANNUAL,
     TRACKED,
+    Rates,
     Series,
     posterior,
     stated_ages,
@@ -208,3 +209,15 @@ def test_what_is_left_out_beside_known_ages_is_negligible(monkeypatch, known):
     assert_allclose(found.age, whole.age, atol=1e-12)
     assert_allclose([found.scatter, mass_m], [whole.scatter, whole.typical_m], rtol=1e-12)
     assert whole.weight.size > found.weight.size
+
+
+def test_no_age_is_lost_where_layers_have_far_less_snow_than_is_expected():
+    # Thirty years of .3 m, where the user is sure of 1 m. So thin a year has exp(-8) of the density
+    # of a typical one, but a crust has 1e-12. Years of 1 m would be no more than nine.
+    rates = Rates(scatter=(0.3,), missed=(0.03,), crusts=(1e-12,))
+    series = series_of(0.15 + 0.3 * np.arange(30), elapsed=0.5, error=0.0)
+    found = posterior(series, rates, 1.0, 0.01)
+    assert (stated_ages(found, series.disjoint) == np.arange(30)).all()
+    # Every pick is a horizon: in place of two years, exp(-16), there is one of .6 m and a crust,
+    # exp(-1.5) 1e-12, in one of a million cases.
+    assert_allclose(found.age.sum(axis=1), 1, atol=1e-5)
