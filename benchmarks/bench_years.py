@@ -1,9 +1,11 @@
 """Reliability of dates: years of simulated firn and of cores, by their stated confidence.
 
-`python benchmarks/bench_years.py cache FOLDER` simulates and tracks firn; `... score FOLDER CORES
-TABLE` dates it, and the cores in the folder CORES; `... tabulate TABLE` writes both tables beside
-this file from which `docs/fill_tables.py` fills the page, and draws its picture. Seeds below 100,
-and every other core, chose the constants of `snowsim.snowpack.dating`; the others only score it.
+`python benchmarks/bench_years.py all FOLDER CORES TABLE` does all of this, and goes on where it was
+stopped: `... cache FOLDER` simulates and tracks firn; `... score FOLDER CORES TABLE` dates it, and
+the cores in the folder CORES; `... tabulate TABLE` writes both tables beside this file from which
+`docs/fill_tables.py` fills the page, draws its picture, and prints how many cases miss each bound.
+Seeds below 100, `... tuning FOLDER`, and every other core chose the constants of
+`snowsim.snowpack.dating`; the others only score it.
 """
 
 import pickle
@@ -15,6 +17,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib import pyplot as plt
+from scipy.stats import norm
 
 from snowsim import Tracker
 from snowsim.constants import SPEED_OF_LIGHT_M_S
@@ -28,11 +31,16 @@ CRUST_KG_M3 = 60.0  # step of density at a crust
 N_LINES = 256
 TUNING_SEEDS = range(8)
 NEAR_S = 4 * 2.886e-10  # of a pick that is the horizon, and within which the tracker separates none
-SCORING_SEEDS = range(100, 110)
+# So many that the share right of a case is known to .1: dates of one simulation are right or wrong
+# together, and ten seeds know it to .12.
+SCORING_SEEDS = range(200, 230)
 FOLDER = Path(__file__).resolve().parent
 CASE = ["kind", "radar", "mass_m", "crusts", "missing", "expected"]
 SURE = 0.8  # without a flag
 CLASSES = (0.5, 0.6, 0.7, 0.8, 0.9)  # of the confidence stated
+# Bounds that cases are counted against: of stated less right, of accumulation over the truth less
+# 1, and of the share of years within `low` and `high`.
+MOST_EXCESS, MOST_BIAS, LEAST_INSIDE = 0.15, 0.1, 0.85
 
 
 def firn(accumulation_m, n_crusts, spacing_m, rng):
@@ -63,19 +71,18 @@ def tracked(tracker, radar, accumulation_m, n_crusts, seed):
     return tracker.pick(echogram), truth.assign(horizon=("layer", horizon))
 
 
-def cache(folder):
+def cache(folder, seeds=SCORING_SEEDS):
     """Simulate and track what is not there."""
     tracker = Tracker.from_pretrained()
     tasks = [
         (radar, mass, crusts, seed)
-        for seeds in (TUNING_SEEDS, SCORING_SEEDS)
         for seed in seeds
         for mass in ACCUMULATIONS_M
         for crusts in N_CRUSTS
         for radar in RADARS
     ]
-    tasks += [(r, m, 0, s) for s in range(6) for r in RADARS for m in (0.03, 0.05, 0.07)]
-    tasks += [("snow-2012", m, 0, s) for s in range(110, 120) for m in (0.15, 0.3, 0.6)]
+    tasks += [(r, m, 0, s) for s in seeds[:6] for r in RADARS for m in (0.03, 0.05, 0.07)]
+    Path(folder).mkdir(parents=True, exist_ok=True)
     for task in tasks:
         path = Path(folder) / ("_".join(map(str, task)) + ".pickle")
         if not path.exists():
@@ -196,8 +203,7 @@ def score(folder, data, path):
     new = [file for file in files if int(file.stem.rsplit("_", 1)[1]) >= min(SCORING_SEEDS)]
     clean = [file for file in new if "_0.3_0_" in file.name and "2012" in file.name]
     true = [file for file in new if "2012_0.3_" in file.name or "2012_0.6_" in file.name]
-    thin = [file for file in files if "_0.03_" in file.name or "_0.05_" in file.name]
-    tables = [dated_firn(file) for file in new + thin]
+    tables = [dated_firn(file) for file in new]
     tables += [dated_firn(file, expected=0.1) for file in clean]
     tables += [dated_firn(file, true_layers=True) for file in true]
     held_back = [*enumerate(cores(data))][1::2]
@@ -219,7 +225,8 @@ def by_case(rows):
     `stated` is the mean probability of a date, `right` the share of dates that are right. `sure` is
     the share of dates stated at .8 or more, `right_of_sure` the share of these that are right.
     `inside` is the share of years whose accumulation lies within `low` and `high`. `accumulation`
-    is the median over seeds of the mean over that of the truth.
+    is the median over seeds of the mean over that of the truth. `error` is the standard error of
+    `stated` less `right`, from the differences between simulations.
     """
     table = []
     for case, own in rows.groupby(CASE, dropna=False):
@@ -234,9 +241,37 @@ def by_case(rows):
             "right_of_sure": dates["right"][sure].mean(),
             "inside": own["inside"].mean(),
             "accumulation": one_a_seed["ratio"].median(),
+            "error": excess_error(dates),
         }
         table.append(dict(zip(CASE, case, strict=True)) | values)
     return pd.DataFrame(table)
+
+
+def excess_error(dates):
+    """Standard error of the mean probability stated less the share right, by simulations."""
+    excess = dates["year_confidence"] - dates["right"]
+    one_by_one = [dates["seed"].to_numpy(), dates["number"].fillna(-1).to_numpy()]
+    of_each = (excess - excess.mean()).groupby(one_by_one).sum()
+    few = len(of_each) / max(len(of_each) - 1, 1)
+    return np.sqrt((of_each**2).sum() * few) / len(dates)
+
+
+def misses(cases):
+    """Lines on how many cases miss each bound, and how many would by chance alone.
+
+    By chance: if what is stated were right in every case, with the errors that the seeds leave.
+    """
+    excess = cases["stated"] - cases["right"]
+    by_chance = norm.sf(MOST_EXCESS / cases["error"]).sum()
+    far = (cases["accumulation"] - 1).abs() > MOST_BIAS
+    return [
+        f"of {len(cases)} cases, stated exceeds right by more than {MOST_EXCESS:g} in "
+        f"{(excess > MOST_EXCESS).sum()}, by chance alone in {by_chance:.1f}; mean "
+        f"{excess.mean():.3f}, largest {excess.max():.2f}",
+        f"accumulation is off by more than {MOST_BIAS:g} in {far.sum()}",
+        f"less than {LEAST_INSIDE:g} lie within low and high in "
+        f"{(cases['inside'] < LEAST_INSIDE).sum()}",
+    ]
 
 
 def by_class(rows):
@@ -270,6 +305,7 @@ def tabulate(path):
     classes = classes.assign(**scores)
     classes.to_csv(FOLDER / "years_by_class.csv", index=False, float_format="%.3f")
     shown = cases[cases["expected"].isna() & (cases["kind"] != "true") & ~(cases["mass_m"] < 0.1)]
+    print(*misses(shown), sep="\n")  # noqa: T201
     figure, ax = plt.subplots(figsize=(4.5, 4.2), layout="constrained")
     ax.plot([0, 1], [0, 1], color="0.6", linewidth=1)
     for kind, colour, name in (("tracker", "C0", "simulated firn"), ("core", "C1", "cores")):
@@ -288,5 +324,19 @@ def tabulate(path):
     figure.savefig(FOLDER.parent / "docs/years.png", dpi=130)
 
 
+def tuning(folder):
+    """Simulate and track the firn of the seeds that chose constants."""
+    cache(folder, TUNING_SEEDS)
+
+
+def simulate_score_and_tabulate(folder, data, path):
+    """All of it."""
+    cache(folder)
+    score(folder, data, path)
+    tabulate(path)
+
+
 if __name__ == "__main__":
-    {"cache": cache, "score": score, "tabulate": tabulate}[sys.argv[1]](*sys.argv[2:])
+    commands = {"cache": cache, "tuning": tuning, "score": score, "tabulate": tabulate}
+    commands["all"] = simulate_score_and_tabulate
+    commands[sys.argv[1]](*sys.argv[2:])
