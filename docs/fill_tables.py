@@ -231,6 +231,33 @@ def budgets(results):
     return markdown(["gradients", *map(str, means.columns)], rows)
 
 
+def joining(results):
+    """Layers and rightly dated horizons with and without joining of pieces, by tuning flight."""
+    table = pd.read_csv(ROOT / "benchmarks/joining_by_flight.csv")
+    by_way = table.set_index(["flight", "way"]).unstack()
+    rows = []
+    for flight, row in by_way.loc[table["flight"].unique()].iterrows():
+        cells = [f"{row['layers', way]:.0f}" for way in ("joined", "pieces")]
+        for name in ("found", "found_shifted"):
+            cells += [f"{row[name, way]:.2f}" for way in ("joined", "pieces")]
+        rows.append([name_of(flight), *cells])
+    header = ["flight", "layers: joined", "pieces", "dated rightly: joined", "pieces"]
+    return markdown([*header, "but for a shift: joined", "pieces"], rows)
+
+
+def choices(results):
+    """ODS lost without each part of the scene model, and how often such scenes are told apart."""
+    losses = pd.read_csv(ROOT / "workflow/evaluation/measured_choices.csv")
+    flights = [name for name in losses if name.startswith("flight_")]
+    header = ["left out", "ODS lost", *(name.replace("_", " ") for name in flights), "told apart"]
+    rows = [["nothing", "", *[""] * len(flights), f"{losses['whole_told_apart'].iloc[0]:.2f}"]]
+    for row in losses.to_dict("records"):
+        lost = f"{row['mean']:+.3f} [{row['low']:+.3f}, {row['high']:+.3f}]"
+        of_flights = [f"{row[name]:+.3f}" for name in flights]
+        rows.append([row["what"], lost, *of_flights, f"{row['told_apart']:.2f}"])
+    return markdown(header, rows)
+
+
 def transfer(results):
     """The package's tracker on flights it never saw, beside one of their own and untrained ways."""
     scores = pd.read_csv(results / "tables/transfer.csv").set_index("flight")
@@ -354,6 +381,8 @@ TABLES = {
     "closed_loop": closed_loop,
     "as_printed": as_printed,
     "budgets": budgets,
+    "choices": choices,
+    "joining": joining,
     "transfer": transfer,
     "accumulation": accumulation,
     "costs": costs,
