@@ -58,5 +58,6 @@ from snowsim.tracker.train import train_steps as train_steps
 from snowsim.tracker.train import trained_network as trained_network
 from snowsim.tracker.windows import log_odds_by_lines as log_odds_by_lines
 from snowsim.tracker.windows import runner as runner
+from snowsim.tracker.windows import stretches as stretches
 
 Settings = TrackerSettings

@@ -31,3 +31,15 @@ def drawn(stage, *files):
             path, caption=str(ROOT / caption_file(file)), category=stage
         )
     return outputs
+
+
+def drawn_range(w):
+    """First scene of a shard of `n_drawn` label sets and the one after its last, from wildcards."""
+    first = int(w.shard) * SHARD_SIZE["labels"]
+    return first, min(first + SHARD_SIZE["labels"], int(w.n_drawn))
+
+
+def drawn_mb(w, kb_per_scene):
+    """Size on disk of the scenes of such a shard [MB]."""
+    first, end = drawn_range(w)
+    return math.ceil((end - first) * kb_per_scene / 1e3)

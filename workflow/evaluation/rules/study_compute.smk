@@ -10,17 +10,6 @@ wildcard_constraints:
     width=r"\d+",
 
 
-def drawn_range(w):
-    """First scene of a shard of so many label sets and the one after its last."""
-    first = int(w.shard) * SHARD_SIZE["labels"]
-    return first, min(first + SHARD_SIZE["labels"], int(w.n_drawn))
-
-
-def drawn_mb(kb_per_scene):
-    """Size on disk of the scenes of a shard [MB], a function of wildcards."""
-    return lambda w: math.ceil((drawn_range(w)[1] - drawn_range(w)[0]) * kb_per_scene / 1e3)
-
-
 use rule draw_labels as draw_more with:
     output:
         labels="results/studies/compute/{n_drawn}/labels/{shard}.nc",
@@ -29,9 +18,9 @@ use rule draw_labels as draw_more with:
     benchmark:
         "results/benchmarks/draw_more/{n_drawn}/{shard}.tsv"
     resources:
-        results_mb=drawn_mb(18),
+        results_mb=lambda w: drawn_mb(w, 18),
     params:
-        span=drawn_range,
+        span=lambda w: drawn_range(w),
     message:
         "{wildcards.n_drawn} label sets, shard {wildcards.shard}"
 
@@ -47,7 +36,7 @@ use rule render_phy as render_more with:
     benchmark:
         "results/benchmarks/render_more/{n_drawn}/{shard}.tsv"
     resources:
-        results_mb=drawn_mb(220),
+        results_mb=lambda w: drawn_mb(w, 220),
     message:
         "PHY renders of {wildcards.n_drawn} label sets, shard {wildcards.shard}"
 
