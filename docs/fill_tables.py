@@ -246,10 +246,10 @@ def joining(results):
 
 
 def choices(results):
-    """ODS lost without each part of the scene model, and how often such scenes are told apart."""
+    """ODS lost without each part of the scene model, and the share of scenes that is recognised."""
     losses = pd.read_csv(ROOT / "workflow/evaluation/measured_choices.csv")
     flights = [name for name in losses if name.startswith("flight_")]
-    header = ["left out", "ODS lost", *(name.replace("_", " ") for name in flights), "told apart"]
+    header = ["left out", "ODS lost", *(name.replace("_", " ") for name in flights), "recognised"]
     rows = [["nothing", "", *[""] * len(flights), f"{losses['whole_told_apart'].iloc[0]:.2f}"]]
     for row in losses.to_dict("records"):
         lost = f"{row['mean']:+.3f} [{row['low']:+.3f}, {row['high']:+.3f}]"

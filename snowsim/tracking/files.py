@@ -60,7 +60,7 @@ def track_files(
         It is called with one line for each note, error and file written.
     progress : callable, optional
         It is called with the number of files and returns a bar like tqdm's, which counts them and
-        is told the number of range lines tracked a second.
+        shows how many range lines are tracked a second.
 
     Returns
     -------

@@ -7,7 +7,7 @@ from evaluation.lib.flight_scores import mean_over_flights
 
 WHOLE = "whole"
 # A part may go if the mean of its loss and the upper end of the interval lie below these ODS, and
-# if scenes are told from observed ones no more often without it.
+# if a network does not distinguish scenes without it from observed ones more often.
 MOST_MEAN = 0.005
 MOST_HIGH = 0.010
 # Statistics that hold a part, all of which are 0 without it. With and without a part, scenes are
@@ -65,9 +65,9 @@ def choice_table(scores):
     named by the part that its scenes lack. Losses are those of the whole model less those without
     the part, paired by flight and training. Columns are `part, what, mean, low, high`, with a 95 %
     interval by Student's t over all pairs; `costs_little`, whether the loss is small enough for the
-    part to go; the mean loss of each flight, `flight_1101` and so on; and `told_apart`, how often
-    scenes without the part are told from observed ones, and `whole_told_apart`, how often those of
-    the whole model, means over flights.
+    part to go; and the mean loss of each flight, `flight_1101` and so on. `told_apart` is the
+    accuracy of the two-sample test of scenes without the part, `whole_told_apart` that of scenes of
+    the whole model, both means over flights.
     """
     ods = scores.set_index(["training_set", "flight", "replica"])["ods"]
     told_apart = scores.groupby("training_set")["told_apart"].mean()
