@@ -2,8 +2,9 @@
 """Fill the tables and pictures of README and pages from finished runs.
 
 ``python docs/fill_tables.py [RESULTS]`` replaces what stands between ``<!-- NAME -->`` and ``<!--
-/NAME -->`` on every page by the table of that name, see `TABLES`, draws ``docs/sample.png`` and
-copies the figures that pages show. A table whose files are not there is left as it is, and named.
+/NAME -->`` on every page by the table of that name, see `TABLES`, and the commit that it is of,
+draws ``docs/sample.png`` and copies the figures that pages show. A table whose files are not there
+is left as it is, and named.
 """
 
 import re
@@ -19,13 +20,13 @@ from matplotlib import pyplot as plt
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "workflow")]
 
 from claims import claims
+from table_commits import commit_line
 
 import snowsim
 from evaluation.lib.figures.style import name_of
 from evaluation.lib.flight_scores import ENDPOINT, SECONDARY
 from evaluation.lib.report import distinguished, errors_of_picks, recovered
 from evaluation.lib.studied import SETS as SETS_STUDIED
-from pretrained.card import commit_of
 from snowsim.alignment import layer_bins_of
 from snowsim.echogram import SURFACE_ROW, to_db
 from snowsim.io import read_echogram
@@ -326,11 +327,6 @@ def of_claims(results):
     return markdown(["claim", "verdict", "numbers"], claims(results))
 
 
-def commit(results):
-    """The line that says what tables are of."""
-    return f"Tables are of commit {commit_of(ROOT)[:7]}.\n"
-
-
 def dates(results):
     """Share of dates that are right by the probability that they state; see `bench_years`."""
     table = pd.read_csv(ROOT / "benchmarks/years_by_class.csv")
@@ -388,7 +384,6 @@ TABLES = {
     "costs": costs,
     "speed": speed,
     "claims": of_claims,
-    "commit": commit,
 }
 
 
@@ -410,7 +405,7 @@ def filled(page, results):
         except FileNotFoundError as error:
             missing.append(f"{name}: {error.filename}")
             continue
-        page = f"{before}{opened}{table}{closed}{after}"
+        page = f"{before}{opened}{table}\n{commit_line(name)}{closed}{after}"
     return page, missing
 
 

@@ -1,9 +1,13 @@
 """Tables of README and pages are those of a run's files."""
 
+import re
+import subprocess
+
 import fill_tables
 import numpy as np
 import pandas as pd
 import pytest
+import table_commits
 from claims import (
     claims_of_flights,
     claims_of_trackers,
@@ -36,7 +40,7 @@ def test_means_and_differences_are_the_run_s_and_the_rest_of_the_page_is_kept(re
     filled, missing = fill_tables.filled(page, results)
     assert missing == []
     assert filled.startswith("before\n<!-- results -->\n|  | RD |")
-    assert filled.endswith("|\n<!-- /results -->\nafter\n")
+    assert re.search(r"\|\n\nCommit [0-9a-f]{8}\.\n<!-- /results -->\nafter\n$", filled)
     assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
     assert "| ODS | .750 | .750 [-0.125, +0.125] | .500 [-0.375, -0.125] |" in filled
     assert fill_tables.filled(filled, results) == (filled, [])
@@ -74,6 +78,50 @@ def test_every_table_has_its_place_on_a_page():
     text = "".join(page.read_text() for page in pages)
     for name in fill_tables.TABLES:
         assert text.count(f"<!-- {name} -->\n") == text.count(f"<!-- /{name} -->\n") == 1, name
+
+
+def committed_tables():
+    """Name and commit of every table on the pages, and what is said of changes since."""
+    for page in (fill_tables.README, *sorted((fill_tables.ROOT / "docs").rglob("*.md"))):
+        text = page.read_text()
+        for name in re.findall(r"^<!-- (\w+) -->$", text, flags=re.MULTILINE):
+            table = text.partition(f"<!-- {name} -->")[2].partition(f"<!-- /{name} -->")[0]
+            if "|---" not in table:  # a study that was not run yet
+                continue
+            line = table.rpartition("\n\n")[2].replace("\n", " ").strip()
+            told = re.fullmatch(r"Commit ([0-9a-f]{8})(; .+)?\.", line)
+            assert told, f"{page.name}: table {name}: expected its commit below it, got {line!r}"
+            yield pytest.param(name, *told.groups(""), id=name)
+
+
+@pytest.mark.parametrize(("name", "commit", "since"), list(committed_tables()))
+def test_a_page_says_so_if_the_code_of_a_table_has_changed(name, commit, since):
+    """Of studies that are scored once; other tables are made anew when their code changes."""
+    try:
+        is_shallow = table_commits.git("rev-parse", "--is-shallow-repository").strip()
+    except (subprocess.CalledProcessError, FileNotFoundError):
+        is_shallow = None
+    if is_shallow != "false":
+        pytest.skip("no git history to look up the commit in")
+    table_commits.git("merge-base", "--is-ancestor", commit, "HEAD")
+    paths = table_commits.SCORED_ONCE.get(name, ())
+    changed = table_commits.changed_since(commit, paths) if paths else []
+    assert bool(since) == bool(changed), f"changed since {commit}: {changed}"
+
+
+def test_words_alone_are_no_change_of_code(tmp_path, monkeypatch):
+    monkeypatch.setattr(table_commits, "ROOT", tmp_path)
+    author = ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm"]
+    table_commits.git("init", "-q")
+    for name in ("words.py", "code.py", "gone.py"):
+        (tmp_path / name).write_text('"""Room."""\n\n\ndef f():\n    """First."""\n    return 1\n')
+    table_commits.git("add", ".")
+    table_commits.git(*author, "first")
+    (tmp_path / "words.py").write_text('def f():\n    """Other."""\n    return 1  # one\n')
+    (tmp_path / "code.py").write_text('def f():\n    """First."""\n    return 2\n')
+    (tmp_path / "gone.py").unlink()
+    assert table_commits.changed_since("HEAD", ["."]) == ["code.py", "gone.py"]
+    assert table_commits.changed_since("HEAD", ["words.py"]) == []
 
 
 def test_verdicts_follow_from_the_side_of_zero():
