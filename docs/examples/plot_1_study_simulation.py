@@ -5,7 +5,8 @@ Tutorial: study simulation
 For people who study what a radar shows of snow. From nothing to an echogram of a snow pit under two
 radars, and to a first experiment: how many layers does a tracker find as the band gets narrower?
 The page runs in a minute; each step can be changed and run again. It needs ``pip install
-"path/to/snowsim[track]"``.
+"path/to/snowsim[track]"``. Run it cell by cell, in Jupyter or an editor, or as a script that ends
+with ``plt.show()``.
 
 A radar over annual snow
 ------------------------
@@ -45,8 +46,11 @@ axes[1].set(xlabel="range line", title="layers that a tracker should find")
 # -----------------------------
 #
 # A pit, a core or a penetrometer's profile serves as it was measured: here densities every 5 mm,
-# two thin crusts of ice, and 10 cm that nobody could sample. A radar adds the fields of what lies
-# within its range cell, so the two see different layers of the same pit.
+# two thin crusts of ice, and 10 cm that nobody could sample. The snow radar has a band of 6 GHz, the
+# accumulation radar one of .3 GHz, whose range bins are 28 times as long. A radar adds the
+# fields of what lies within its range cell (a *reflector* is such a sum), so the two see different
+# layers of the same pit: both crusts are sharp under the snow radar, and blurred into one decay
+# under the other. Most reflectors are too weak to be seen.
 
 rng = np.random.default_rng(1)
 depth_m = np.arange(0.0025, 3, 0.005)
@@ -70,9 +74,9 @@ axes[1].set_ylabel("two-way travel time below the surface [ns]")
 # An experiment
 # -------------
 #
-# The package's tracker picks layers of thin years in simulations that differ in one setting, the
-# bandwidth; a range bin is half a cycle of it. The snow is the same, so what changes is due to the
-# band.
+# The package's tracker picks layers of thin years, .1 m of water equivalent each, in simulations
+# that differ in one setting, the bandwidth, with range bins of half its inverse. The snow is the
+# same, so what changes is due to the band.
 
 tracker = snowsim.Tracker.from_pretrained("universal")
 thin_years = snowsim.Climate(accumulation_m=0.1, variability=0.2, n_years=25)
@@ -92,6 +96,6 @@ ax.set(xlabel="bandwidth [GHz]", ylabel="layers found, mean over range lines", y
 ax.legend()
 
 # %%
-# What the simulation neglects, and how far it lies from a coherent solver, is said under *Simulate
-# a radar*. To draw scenes like an annotated flight's instead, by its statistics, see the other
-# examples.
+# A wider band separates more of the 25 layers. What the simulation neglects, and how far it lies
+# from a coherent solver, is said on the page :doc:`/stages/simulate`. To draw scenes like an
+# annotated flight's instead, by its statistics, see the other examples.
