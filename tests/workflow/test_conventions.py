@@ -44,6 +44,14 @@ def test_the_main_path_plans_both_tables_without_what_judges_it(tmp_path):
     assert not {name for name in planned if name.startswith(("plot_", "measure_", "compare_"))}
 
 
+def test_every_job_of_every_target_has_its_settings(tmp_path):
+    names = {rule.name for rule in parsed(tmp_path).rules if not rule.output}
+    # Of own frames, which the synthetic flight has none of.
+    targets = names - {"help", "picks"}
+    jobs = {job.rule.name for job in parsed(tmp_path, targets=targets).dag.jobs}
+    assert {"score_transfer", "tabulate_choices", "tabulate_compute", "fly", "ship_tracker"} <= jobs
+
+
 def test_another_workflow_can_use_this_one_as_a_module(tmp_path):
     shutil.copy2(ROOT / "config/config.yaml", tmp_path / "config.yaml")
     (tmp_path / "Snakefile").write_text(f"""\

@@ -171,6 +171,7 @@ use rule train_tracker as train_own with:
         replica="own",
         n_epochs=None,
         data={"added_per_real": 0},
+        settings=SETTINGS["rd"],
         checkpoint=f"{CHECKPOINTS}/train_own_{{other_flight}}.safetensors",
         events=f"{EVENTS}/train_own/{{other_flight}}",
     message:
