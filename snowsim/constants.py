@@ -18,5 +18,5 @@ PROCESSED_BANDWIDTH_HZ = 5.149824e9
 
 BLOCK_LINES = 256  # range lines of a block of an echogram, and of its scene
 OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")  # maps of the tracker
-STATISTICS_CONTENT = "snowsim flight statistics 3"  # attribute `content` of the dataset
+STATISTICS_CONTENT = "snowsim flight statistics 4"  # attribute `content` of the dataset
 THIS_AGE = ("1980-01-06", "2100-01-01")  # times in files must lie between these days

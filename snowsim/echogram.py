@@ -79,8 +79,6 @@ class Echoes:
         Autocorrelation of speckle down range; None where range bins are independent.
     line_gain_spread_db : float
         Standard deviation of gain from range line to range line [dB].
-    decay_factor : float
-        Decay in this scene relative to the flight's; `decay_rate` includes this factor.
     """
 
     bins: np.ndarray
@@ -92,7 +90,6 @@ class Echoes:
     n_looks: float
     speckle_correlation: np.ndarray | None = None
     line_gain_spread_db: float = 0.0
-    decay_factor: float = 1.0
 
 
 @dataclass

@@ -43,7 +43,6 @@ ECHO_VARIABLES = {
     "noise_power": ("f8", "scene", "W"),
     "n_looks": ("f8", "scene", "1"),
     "line_gain_spread_db": ("f8", "scene", "dB"),
-    "decay_factor": ("f8", "scene", "1"),
     "speckle_correlation": ("f8", "scene", "1"),
 }
 # For an array of a scene, the variable with its number of rows.

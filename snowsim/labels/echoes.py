@@ -1,7 +1,8 @@
 """Echoes of layers, drawn from flight statistics, whose values are checked when they are read.
 
 Echoes have the flight's mean powers, or vary about them: power varies along track and from layer to
-layer, noise, decay and background from scene to scene.
+layer, that of the background from scene to scene. Noise and decay are the flight's in every scene:
+that they vary is worth nothing to a tracker.
 """
 
 import dataclasses
@@ -17,11 +18,9 @@ from snowsim.limits import check_statistics, check_values
 FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
 # Statistics that the echoes of scenes vary by, with their dimensions.
 VARIES = dict.fromkeys(FADING, ("interface",)) | {
-    "noise_spread_db": (),
-    "surface_to_noise_spread_db": (),
+    "surface_spread_db": (),
     "common_spread_db": (),
     "layer_spread_db": (),
-    "decay_spread": (),
     "background_spread_db": (),
     "further_spacing_bins": (),
     "further_rise_db": (),
@@ -155,7 +154,7 @@ def with_waveforms_of(scene, statistics):
     # Background takes the variance of the surface.
     level[~is_layer] = 0
     n_levels = int(level.max()) + 1
-    decay = value_per_layer(statistics, "decay_rate", n_levels)[level] * drawn.decay_factor
+    decay = value_per_layer(statistics, "decay_rate", n_levels)[level]
     return dataclasses.replace(
         drawn,
         variance_bins2=value_per_layer(statistics, "variance_bins2", n_levels)[level],
@@ -167,8 +166,8 @@ def with_waveforms_of(scene, statistics):
 def add_echoes(scene, statistics, spread, *, rng):
     """The scene with its `echoes`, which vary by the statistics in `spread`, see `VARIES`.
 
-    Powers vary in dB, and their means stay those of the flight. The surface and the noise vary from
-    scene to scene, buried layers vary together and each by itself, and every layer fades along
+    Powers vary in dB, and their means stay those of the flight. The surface varies from scene to
+    scene, buried layers vary together and each by itself, and every layer fades along
     track: a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. Unpicked snow
     is a background, one row just below the surface for each of its e-folding depths. Below the last
     layer further echoes stand at random distances; they rise out of the background as in the
@@ -176,20 +175,14 @@ def add_echoes(scene, statistics, spread, *, rng):
     """
     flight = echoes_of_layers(scene.layer_bins, statistics)
     is_layer = flight.kind == Kind.LAYER
-    noise_db = spread["noise_spread_db"]
     background_db = spread["background_spread_db"]
     factor = np.empty(flight.power.shape)
     factor[is_layer] = _layer_factors(scene.layer_bins.shape, spread, rng=rng)
-    noise_factor = _about_mean(noise_db * rng.standard_normal(), noise_db**2)
-    decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
     factor[~is_layer] = _about_mean(background_db * rng.standard_normal(), background_db**2)
     echoes = dataclasses.replace(
         flight,
         power=flight.power * factor,
-        decay_rate=flight.decay_rate * np.where(is_layer, decay_factor, 1.0),
-        noise_power=float(flight.noise_power * noise_factor),
         line_gain_spread_db=spread.get("line_gain_spread_db", 0.0),
-        decay_factor=decay_factor,
     )
     return dataclasses.replace(scene, echoes=_with_further(echoes, spread, rng=rng))
 
@@ -198,8 +191,7 @@ def _layer_factors(shape, spread, *, rng):
     """Factors of the power of layers over the flight's mean, (layer, range_line)."""
     n_layers, n_lines = shape
     interface = np.minimum(np.arange(n_layers), 1)
-    surface_variance = spread["surface_to_noise_spread_db"] ** 2 - spread["noise_spread_db"] ** 2
-    surface_db = np.sqrt(max(surface_variance, 0.0))
+    surface_db = spread["surface_spread_db"]
     block_db = spread["common_spread_db"] * rng.standard_normal()
     block_db = block_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
     block_db[0] = surface_db * rng.standard_normal()

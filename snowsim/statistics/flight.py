@@ -141,7 +141,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         `noise_power`; of the waveform `peak_power`, `decay_rate`, `width_bins`, `variance_bins2`,
         `offset_bins` of its peak below the pick, `n_picks` and `substituted (layer)`; of
         `deblended` alone `mean_waveform (layer, lag)`; of thickness and of the surface's row what
-        `thickness_by_zone` returns; how power, noise and decay vary, see `radiometry`; tracked
+        `thickness_by_zone` returns; how power varies, see `radiometry`; tracked
         power against Gamma(M), autocorrelation of speckle down range and along-track spectra of
         power, see `looks`.
 
@@ -170,10 +170,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     summary = summary.isel(layer=slice(n_layers))
     parts = (summary[name].values for name in ("power", "position", "spread"))
     groups = Groups(*parts, present[:, :n_layers], noise(summary))
-    variables, powers, decay = waveform(summary, groups, estimator)
+    variables, powers = waveform(summary, groups, estimator)
     of_looks, n_looks = looks(summary)
     of_thickness, counts = thickness_by_zone(summary, estimator, zone_edge_bins)
-    varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
+    varies, missing = radiometry(summary, groups, powers, variables, n_looks)
     variables |= {"noise_power": groups.noise_power} | of_looks | of_thickness | dict(varies)
     coords = {"lag": WAVEFORM_LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
     coords["wavenumber"] = np.fft.rfftfreq(BLOCK_LINES)
@@ -203,7 +203,7 @@ def noise(summary):
 
 
 def waveform(summary, groups, estimator):
-    """Variables of the waveform by layer, and powers and decay rates (group, layer)."""
+    """Variables of the waveform by layer, and powers (group, layer)."""
     tracked = summary["tracked_power"].values.astype(float)
     tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
     decay, width = measure_groups(groups)
@@ -218,7 +218,7 @@ def waveform(summary, groups, estimator):
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
     variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
-    return variables, powers, decay
+    return variables, powers
 
 
 def thickness_by_zone(summary, estimator, zone_edge_bins):

@@ -28,18 +28,17 @@ PEAK_DEVIATIONS = 4.0  # an unpicked echo rises by this many standard deviations
 CONSTANT = {"further_spacing_bins": 1000.0, "fading_length_lines": 1.0, "fading_exponent": 1.0}
 
 
-def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
+def radiometry(summary, groups, powers, waveform, n_looks):
     """Variables of the variation of radiometry, and names of those not estimated.
 
     They are estimated from a merged summary, `Groups`, powers (group, layer) above noise and
-    neighbours, decay rates of eq. (2) (group, layer), variables of the waveform by either
-    estimator, and the flight's looks. A missing quantity gets its value in `CONSTANT`, or zero.
+    neighbours, variables of the waveform by either estimator, and the flight's looks. A missing
+    quantity gets its value in `CONSTANT`, or zero.
 
-    - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256
-      lines;
+    - `surface_spread_db`: standard deviation of the surface between blocks of 256 lines, that of
+      surface over noise less that of the noise;
     - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each
-      layer's mean over the flight, common to all and each layer's own; `decay_spread` of the
-      logarithm of the decay rate, less its scatter within blocks;
+      layer's mean over the flight, common to all and each layer's own;
     - `fading_spread_db`, `fading_length_lines`, `fading_exponent (interface)`, surface then buried
       layers, see `fading`;
     - `line_gain_spread_db`: of gain from line to line;
@@ -52,6 +51,8 @@ def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
     air = summary[["air_sum", "air_count"]].to_dataframe().groupby(block).sum()
     noise_db = decibels(air["air_sum"] / air["air_count"])
     power_db = decibels(_block_means(powers, block))
+    # Gain that changes from block to block changes both alike.
+    surface_db2 = _deviation(power_db[:, 0] - noise_db) ** 2 - _deviation(noise_db) ** 2
     common_db, layer_db = common_and_own_spread(power_db[:, 1:])
     spacing_bins, rise_db = _further(groups, block, n_looks)
     gains = summary["gain_variance"].values
@@ -62,11 +63,9 @@ def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
     fades = [fading(*products, speckle_db2) for products in fading_products(summary, powers)]
     fading_db, fading_lines, fading_exponent = np.transpose(fades)
     variables = {
-        "noise_spread_db": _deviation(noise_db),
-        "surface_to_noise_spread_db": _deviation(power_db[:, 0] - noise_db),
+        "surface_spread_db": np.sqrt(np.maximum(surface_db2, 0)),
         "common_spread_db": common_db,
         "layer_spread_db": layer_db,
-        "decay_spread": _decay_spread(decay_rate, block),
         "background_spread_db": _deviation(decibels(_block_means(unpicked, block))),
         "line_gain_spread_db": gain_db,
         "further_spacing_bins": spacing_bins,
@@ -127,21 +126,6 @@ def common_and_own_spread(power_db):
     products = (deviation.sum(axis=1) ** 2).sum() - squares
     common = np.clip(products / n_pairs, 0, total)
     return np.sqrt(common), np.sqrt(total - common)
-
-
-def _decay_spread(decay_rate, block):
-    """Standard deviation of block means of log decay rate about each layer's mean.
-
-    Less the part due to scatter within blocks.
-    """
-    logarithm = pd.DataFrame(np.log(np.where(decay_rate > 0, decay_rate, np.nan)), index=block)
-    logarithm = logarithm.loc[:, logarithm.count() >= 2]
-    by_block = (logarithm - logarithm.mean()).stack().groupby(level=0)
-    of_blocks = by_block.agg(["mean", "var", "count"]).dropna()
-    if len(of_blocks) < FEWEST:
-        return np.nan
-    chance = of_blocks["var"] / of_blocks["count"]
-    return np.sqrt(max(of_blocks["mean"].var() - chance.mean(), 0.0))
 
 
 def _further(groups, block, n_looks):

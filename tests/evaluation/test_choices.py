@@ -52,17 +52,12 @@ def test_the_surface_and_echoes_below_are_left_out(flight, whole):
     assert whole.echoes.power[less.kind == Kind.BELOW].all()
 
 
-def test_gain_decay_and_correlation_are_left_out(flight, whole):
+def test_gain_and_correlation_are_left_out(flight):
     assert drawn(flight, "line_gain").echoes.line_gain_spread_db == 0
-    assert drawn(flight, "decay").echoes.decay_factor == 1 != whole.echoes.decay_factor
     assert drawn(flight, "speckle_correlation").echoes.speckle_correlation is None
 
 
-def test_noise_and_background_are_those_of_the_flight_and_layers_stay(flight, whole):
-    noiseless = drawn(flight, "noise").echoes
-    assert noiseless.noise_power == flight["noise_power"]
-    is_layer = whole.echoes.kind == Kind.LAYER
-    assert_allclose(noiseless.power[is_layer], whole.echoes.power[is_layer], rtol=1e-6)
+def test_background_is_that_of_the_flight(flight):
     less = drawn(flight, "background").echoes
     of_flight = flight["background_power"].values
     assert_allclose(less.power[less.kind == Kind.BACKGROUND][:, 0], of_flight[of_flight > 0])
@@ -86,12 +81,12 @@ def test_losses_are_paired_by_flight_and_training():
             rows += [
                 (flight, WHOLE, replica, level + shift, 0.6),
                 (flight, "power", replica, level + shift - 0.03, level),
-                (flight, "noise", replica, level + shift - 0.001, 0.6),
+                (flight, "fading", replica, level + shift - 0.001, 0.6),
             ]
     columns = ["flight", "training_set", "replica", "ods", "told_apart"]
     scores = pd.DataFrame(rows, columns=columns)
     table = choice_table(scores).set_index("part")
-    assert list(table.index) == ["power", "noise"]
+    assert list(table.index) == ["power", "fading"]
     assert_allclose(table[["mean", "low", "high"]].T, [[0.03, 0.001]] * 3)
     assert list(table["costs_little"]) == [False, True]
     assert_allclose(table["told_apart"], [0.75, 0.6])

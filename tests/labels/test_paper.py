@@ -94,5 +94,5 @@ def test_statistics_without_a_plain_spectrum_are_refused(rng):
     ],
 )
 def test_statistics_of_an_earlier_version_are_refused_in_one_line(door):
-    with refusal("statistics: content must be .* 3', got 'earlier': fit them"):
+    with refusal("statistics: content must be .* 4', got 'earlier': fit them"):
         door(planted().assign_attrs(content="earlier"))

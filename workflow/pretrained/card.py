@@ -57,7 +57,7 @@ def ranges_of(statistics, ranges, firn):
     surface_db = 10 * np.log10(float(statistics["peak_power"][0] / statistics["noise_power"]))
     quietest, loudest = ranges.noise_db
     # Two standard deviations of the spread from place to place.
-    spread_db = 2 * float(statistics["surface_to_noise_spread_db"])
+    spread_db = 2 * float(statistics["surface_spread_db"])
     weakest_db = surface_db - loudest - spread_db
     strongest_db = surface_db - quietest + spread_db
     thinnest, thickest = ranges.thickness

@@ -1,6 +1,5 @@
 """What each part of the scene model is worth: statistics that lack it, and the loss without it."""
 
-import numpy as np
 import pandas as pd
 
 from evaluation.lib.flight_scores import mean_over_flights
@@ -17,9 +16,7 @@ SPREADS = {
     "line_gain": ("line_gain_spread_db",),
     "surface_row": ("surface_error_bins", "surface_movement_bins"),
     "relief": ("relief_variance_bins2", "slab_change_bins2"),
-    "noise": ("noise_spread_db",),
     "power": ("common_spread_db", "layer_spread_db"),
-    "decay": ("decay_spread",),
     "background": ("background_spread_db",),
     "echoes_below": ("further_rise_db",),
 }
@@ -28,9 +25,7 @@ PARTS = {
     "line_gain": "gain varies from range line to range line",
     "surface_row": "the surface moves about its row",
     "relief": "thickness varies along track",
-    "noise": "noise varies from scene to scene",
     "power": "power of buried layers varies from scene to scene and from layer to layer",
-    "decay": "decay varies from scene to scene",
     "background": "power of unpicked snow varies from scene to scene",
     "echoes_below": "echoes below the last layer",
     "speckle_correlation": "speckle is correlated down range",
@@ -43,13 +38,7 @@ def without(statistics, part):
         return statistics
     if part == "speckle_correlation":
         return statistics.drop_vars("speckle_correlation")
-    changed = {name: statistics[name] * 0 for name in SPREADS[part]}
-    if part == "noise":
-        # The power of the surface itself varies as before.
-        variance_db2 = statistics["surface_to_noise_spread_db"] ** 2
-        variance_db2 = variance_db2 - statistics["noise_spread_db"] ** 2
-        changed["surface_to_noise_spread_db"] = np.sqrt(variance_db2.clip(0))
-    return statistics.assign(changed)
+    return statistics.assign({name: statistics[name] * 0 for name in SPREADS[part]})
 
 
 def with_told_apart(scores, two_sample):

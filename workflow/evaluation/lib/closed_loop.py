@@ -35,8 +35,7 @@ BOUNDS = {
 IN_BINS = ("width_bins",)
 # What renders of label sets with one radiometry for all do not show, and its bound.
 SPREADS = (
-    "noise_spread_db",
-    "surface_to_noise_spread_db",
+    "surface_spread_db",
     "common_spread_db",
     "layer_spread_db",
     "fading_spread_db",
