@@ -1,8 +1,8 @@
 """Echoes of layers, drawn from flight statistics, whose values are checked when they are read.
 
-Echoes have the flight's mean powers, or vary about them: power varies along track and from layer to
-layer, that of the background from scene to scene. Noise and decay are the flight's in every scene:
-that they vary is worth nothing to a tracker.
+Echoes have the flight's mean powers, or vary about them: power varies from layer to layer, that of
+the background from scene to scene. Along track a layer has one power, and noise and decay are the
+flight's in every scene: that they vary is worth nothing to a tracker.
 """
 
 import dataclasses
@@ -12,19 +12,17 @@ import pandas as pd
 
 from snowsim.constants import NEPERS
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER, Echoes, Kind
-from snowsim.labels.undulations import draw_stationary, lags_on_circle
 from snowsim.limits import check_statistics, check_values
 
-FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
-# Statistics that the echoes of scenes vary by, with their dimensions.
-VARIES = dict.fromkeys(FADING, ("interface",)) | {
-    "surface_spread_db": (),
-    "common_spread_db": (),
-    "layer_spread_db": (),
-    "background_spread_db": (),
-    "further_spacing_bins": (),
-    "further_rise_db": (),
-}
+# Statistics that the echoes of scenes vary by.
+VARIES = (
+    "surface_spread_db",
+    "common_spread_db",
+    "layer_spread_db",
+    "background_spread_db",
+    "further_spacing_bins",
+    "further_rise_db",
+)
 
 
 def values_of(statistics, name, dims=()):
@@ -167,17 +165,15 @@ def add_echoes(scene, statistics, spread, *, rng):
     """The scene with its `echoes`, which vary by the statistics in `spread`, see `VARIES`.
 
     Powers vary in dB, and their means stay those of the flight. The surface varies from scene to
-    scene, buried layers vary together and each by itself, and every layer fades along
-    track: a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. Unpicked snow
-    is a background, one row just below the surface for each of its e-folding depths. Below the last
-    layer further echoes stand at random distances; they rise out of the background as in the
-    flight.
+    scene, buried layers vary together and each by itself. Unpicked snow is a background, one row
+    just below the surface for each of its e-folding depths. Below the last layer further echoes
+    stand at random distances; they rise out of the background as in the flight.
     """
     flight = echoes_of_layers(scene.layer_bins, statistics)
     is_layer = flight.kind == Kind.LAYER
     background_db = spread["background_spread_db"]
     factor = np.empty(flight.power.shape)
-    factor[is_layer] = _layer_factors(scene.layer_bins.shape, spread, rng=rng)
+    factor[is_layer] = _layer_factors(len(scene.layer_bins), spread, rng=rng)[:, None]
     factor[~is_layer] = _about_mean(background_db * rng.standard_normal(), background_db**2)
     echoes = dataclasses.replace(
         flight,
@@ -187,18 +183,16 @@ def add_echoes(scene, statistics, spread, *, rng):
     return dataclasses.replace(scene, echoes=_with_further(echoes, spread, rng=rng))
 
 
-def _layer_factors(shape, spread, *, rng):
-    """Factors of the power of layers over the flight's mean, (layer, range_line)."""
-    n_layers, n_lines = shape
-    interface = np.minimum(np.arange(n_layers), 1)
-    surface_db = spread["surface_spread_db"]
-    block_db = spread["common_spread_db"] * rng.standard_normal()
-    block_db = block_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
-    block_db[0] = surface_db * rng.standard_normal()
-    variance = spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
-    variance = np.where(interface[:, None] > 0, variance, surface_db**2)
-    faded_db, fading_variance = _draw_fading(spread, interface, n_lines, rng=rng)
-    return _about_mean(block_db + faded_db, variance + fading_variance)
+def _layer_factors(n_layers, spread, *, rng):
+    """Factors of the power of layers over the flight's mean, (layer,)."""
+    power_db = spread["common_spread_db"] * rng.standard_normal()
+    power_db = power_db + spread["layer_spread_db"] * rng.standard_normal(n_layers)
+    power_db[0] = spread["surface_spread_db"] * rng.standard_normal()
+    variance_db2 = np.full(
+        n_layers, spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
+    )
+    variance_db2[0] = spread["surface_spread_db"] ** 2
+    return _about_mean(power_db, variance_db2)
 
 
 def _with_further(echoes, spread, *, rng):
@@ -215,9 +209,7 @@ def _with_further(echoes, spread, *, rng):
     fallen = np.exp(-np.outer(depth_bins, echoes.decay_rate[held]))
     behind = fallen @ echoes.power[held].mean(axis=1)
     rise = 10 ** (spread["further_rise_db"] / 10) - 1
-    buried = np.ones(below.size, dtype=int)
-    factor = _about_mean(*_draw_fading(spread, buried, deepest.size, rng=rng))
-    power = rise * (behind + echoes.noise_power)[:, None] * factor
+    power = np.repeat(rise * (behind + echoes.noise_power)[:, None], deepest.size, axis=1)
     rows = np.append(np.arange(len(echoes.kind)), np.full(below.size, last))
     return dataclasses.replace(
         echoes,
@@ -232,19 +224,3 @@ def _with_further(echoes, spread, *, rng):
 def _about_mean(deviation_db, variance_db2):
     """Factors of power with mean 1, from Gaussian deviations in dB with this variance."""
     return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)
-
-
-def _draw_fading(spread, interface, n_lines, *, rng):
-    """Fading of layers about their means [dB], (layer, range_line), and its variance, (layer, 1).
-
-    `interface` (layer,) is 0 for the surface and 1 for buried layers.
-    """
-    spread_db, length_lines, exponent = (spread[name][:, None] for name in FADING)
-    lag = lags_on_circle(n_lines, length_lines.max())
-    shape = np.exp(-((lag / length_lines) ** exponent))
-    series = draw_stationary((spread_db**2 * shape)[interface], n_lines, rng=rng)
-    lines = lag[:n_lines]
-    share_of_pairs = np.where(lines > 0, 2, 1) * (n_lines - lines) / n_lines**2
-    kept = 1 - shape[:, :n_lines] @ share_of_pairs
-    variance = spread_db[interface] ** 2 * kept[interface, None]
-    return series - series.mean(axis=1, keepdims=True), variance

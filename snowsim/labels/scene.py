@@ -40,9 +40,8 @@ DRAWN_FROM = {
     "relative_thickness_mean": ("zone", "slab"),
     "relative_thickness_variance": ("zone", "slab"),
 }
-DRAWN_FROM |= (
-    dict.fromkeys(RELIEF_STATISTICS, ("zone",)) | dict.fromkeys(SURFACE_STATISTICS, ()) | VARIES
-)
+DRAWN_FROM |= dict.fromkeys(RELIEF_STATISTICS, ("zone",))
+DRAWN_FROM |= dict.fromkeys((*SURFACE_STATISTICS, *VARIES), ())
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,16 +1,15 @@
-"""Variation of a flight's radiometry between blocks and along track, and its unpicked echoes."""
+"""Variation of a flight's radiometry between blocks and lines, and its unpicked echoes."""
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from scipy.optimize import nnls
 from scipy.signal import find_peaks
-from scipy.special import polygamma
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.groups import TYPICAL_DECAY_RATE
-from snowsim.statistics.speckle import DB, decibels, fading, fading_products
+from snowsim.statistics.speckle import DB, decibels
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, known_mean, numbered, rows_from
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
@@ -25,7 +24,7 @@ FEWEST_ROWS = 3  # a peak has a neighbour on either side
 PEAK_DEVIATIONS = 4.0  # an unpicked echo rises by this many standard deviations of speckle
 # Values for quantities that a flight is too short to estimate, if not zero. With them nothing
 # varies, and no image has an echo below the last pick.
-CONSTANT = {"further_spacing_bins": 1000.0, "fading_length_lines": 1.0, "fading_exponent": 1.0}
+CONSTANT = {"further_spacing_bins": 1000.0}
 
 
 def radiometry(summary, groups, powers, waveform, n_looks):
@@ -39,8 +38,6 @@ def radiometry(summary, groups, powers, waveform, n_looks):
       surface over noise less that of the noise;
     - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each
       layer's mean over the flight, common to all and each layer's own;
-    - `fading_spread_db`, `fading_length_lines`, `fading_exponent (interface)`, surface then buried
-      layers, see `fading`;
     - `line_gain_spread_db`: of gain from line to line;
     - `background_power (fall)`, mean power of unpicked snow, ``sum_k b_k exp(-depth / fall_k)``,
       and its `background_spread_db`; spacing and height of the echoes that rise out of it below the
@@ -59,9 +56,6 @@ def radiometry(summary, groups, powers, waveform, n_looks):
     gain_db = np.nan
     if np.isfinite(gains).sum() >= FEWEST_GAINS:
         gain_db = DB * np.sqrt(max(known_mean(gains), 0))
-    speckle_db2 = DB**2 * polygamma(1, n_looks)
-    fades = [fading(*products, speckle_db2) for products in fading_products(summary, powers)]
-    fading_db, fading_lines, fading_exponent = np.transpose(fades)
     variables = {
         "surface_spread_db": np.sqrt(np.maximum(surface_db2, 0)),
         "common_spread_db": common_db,
@@ -70,9 +64,6 @@ def radiometry(summary, groups, powers, waveform, n_looks):
         "line_gain_spread_db": gain_db,
         "further_spacing_bins": spacing_bins,
         "further_rise_db": rise_db,
-        "fading_spread_db": ("interface", fading_db),
-        "fading_length_lines": ("interface", fading_lines),
-        "fading_exponent": ("interface", fading_exponent),
         "background_power": ("fall", law),
     }
     found = xr.Dataset(variables)

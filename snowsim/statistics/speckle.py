@@ -1,24 +1,13 @@
-"""Speckle (its law, its correlation down range, its spectra along track) and fading of layers."""
+"""Speckle: its law, its correlation down range, and its spectra along track."""
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
-from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
 from snowsim.seeding import rounded
-from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, known_mean, numbered
+from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, known_mean
 
 DB = 10 / np.log(10)  # decibels in one neper of power
-# Options of least squares with which processors agree to 1e-11: complex steps have no error of
-# differences, and dogbox reaches a bound exactly.
-TO_THE_LAST_DIGITS = {
-    "method": "dogbox",
-    "jac": "cs",
-    "ftol": 1e-15,
-    "xtol": 1e-15,
-    "gtol": 1e-15,
-}
 MOST_LOOKS = 1e6  # looks of power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
 MINIMUM_PAIRS = 10_000  # pairs of bins in the air at every lag: a correlation errs by 0.01
@@ -26,11 +15,6 @@ TAIL = np.array([0.001, 0.002, 0.005])
 QUANTILES = np.concatenate([TAIL, np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
-# Least share of the power on a pick that is the layer's own; else noise and tails hide its fading.
-OWN_SHARE = 0.5
-# Lags of the autocovariance of power in dB; its value at lag 0 follows from the others.
-FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
-FEWEST_BLOCKS = 4
 
 
 def decibels(power):
@@ -128,75 +112,3 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
     wavenumber = np.fft.fftshift(np.fft.fftfreq(n_lines, line_spacing_m))
     first, mean = rounded([spectra[0], spectra.mean(axis=0)], SPECTRUM_BITS)
     return wavenumber, first, mean
-
-
-def fading_products(summary, powers):
-    """Sums of products of power in dB along track, and numbers of pairs, both by lag.
-
-    One pair (sums, numbers) is for the surface, one for buried layers. Products are of tracked
-    power in whole blocks, about its mean. `powers` (group, layer) are those above noise and
-    neighbours. Noise and tails do not fade with a layer: a block in which a layer has less than
-    `OWN_SHARE` of the power on its picks is left out; in the others, products at lags of one and
-    more are divided by the square of that share.
-    """
-    tracked = in_blocks(summary, "tracked_power").swapaxes(1, 2)
-    known = tracked > 0
-    own = known_mean(powers[_groups_of_blocks(summary)], axis=1)
-    share = own / known_mean(np.where(known, tracked, np.nan), axis=2)
-    clear = (share >= OWN_SHARE) & (2 * known.sum(axis=2) >= BLOCK_LINES)
-    power_db = decibels(tracked[clear])
-    deviation = np.nan_to_num(power_db - known_mean(power_db, axis=1)[:, None])
-    products = _by_lag(deviation)
-    products[:, 1:] /= np.minimum(share[clear, None], 1) ** 2
-    pairs = _by_lag(known[clear])
-    buried = np.nonzero(clear)[1] > 0
-    return [(products[kind].sum(axis=0), pairs[kind].sum(axis=0)) for kind in (~buried, buried)]
-
-
-def _groups_of_blocks(summary):
-    """Numbers of the groups of every whole block of all frames, (block, group of the block).
-
-    A frame without a surface has no group; its blocks get groups of other frames.
-    """
-    n_blocks = summary["n_lines"].values // BLOCK_LINES
-    n_groups = summary["n_groups"].values
-    start = BLOCK_LINES * numbered(n_blocks)
-    first = np.repeat(n_groups.cumsum() - n_groups, n_blocks) + start // GROUP_LINES
-    group = first[:, None] + np.arange(BLOCK_LINES // GROUP_LINES)
-    return np.minimum(group, n_groups.sum() - 1)
-
-
-def _by_lag(series):
-    """Sums of products of values that lie `FADING_LAGS` apart, (series, lag)."""
-    spectrum = np.fft.rfft(series, 2 * BLOCK_LINES)
-    return np.fft.irfft(np.abs(spectrum) ** 2)[:, FADING_LAGS]
-
-
-def fading(total, n, speckle):
-    """Standard deviation [dB], 1/e length [lines] and exponent of fading, (3,), or NaN.
-
-    One kind of interface, from sums of products, and of pairs, by lag (lag,). ``C(h) = s^2
-    exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at
-    lag h twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over
-    all n lines of a block. The excess at lag 0 is `speckle` [dB^2].
-    """
-    if n.min() < BLOCK_LINES * FEWEST_BLOCKS or total[0] <= 0:
-        return np.full(3, np.nan)
-    covariance = total / n
-
-    def misfit(parameters):
-        variance, length = np.exp(parameters[:2])
-        shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** parameters[2]))
-        kernel = variance * np.append(1.0, shape)
-        above = np.cumsum(kernel)
-        with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
-        below = np.cumsum(with_mean[::-1])[::-1]
-        removed = 2 * below[FADING_LAGS] / (BLOCK_LINES - FADING_LAGS) - with_mean.mean()
-        expected = kernel[FADING_LAGS] - removed - speckle / BLOCK_LINES
-        return (expected - covariance)[1:] * np.sqrt(n[1:] / n[1])
-
-    lower = [np.log(1e-4), 0.0, 0.3]
-    upper = [np.log(1e3), np.log(4.0 * BLOCK_LINES), 2.0]
-    guess = np.clip([np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5], lower, upper)
-    fit = least_squares(misfit, guess, bounds=(lower, upper), **TO_THE_LAST_DIGITS)
-    return np.append(np.exp(fit.x[:2] / [2, 1]), fit.x[2])

@@ -63,10 +63,8 @@ def test_background_is_that_of_the_flight(flight):
     assert_allclose(less.power[less.kind == Kind.BACKGROUND][:, 0], of_flight[of_flight > 0])
 
 
-def test_layers_without_fading_or_variation_have_one_power(flight, whole):
+def test_layers_without_variation_have_the_power_of_the_flight(flight, whole):
     is_layer = whole.echoes.kind == Kind.LAYER
-    steady = drawn(flight, "fading").echoes.power[is_layer]
-    assert_allclose(steady, np.repeat(steady[:, :1], 256, axis=1))
     alike = drawn(flight, "power").echoes.power[is_layer].mean(axis=1)
     of_flight = flight["peak_power"].values[: alike.size]
     assert np.std(np.log(alike[1:] / of_flight[1:])) < 0.3
@@ -81,12 +79,12 @@ def test_losses_are_paired_by_flight_and_training():
             rows += [
                 (flight, WHOLE, replica, level + shift, 0.6),
                 (flight, "power", replica, level + shift - 0.03, level),
-                (flight, "fading", replica, level + shift - 0.001, 0.6),
+                (flight, "background", replica, level + shift - 0.001, 0.6),
             ]
     columns = ["flight", "training_set", "replica", "ods", "told_apart"]
     scores = pd.DataFrame(rows, columns=columns)
     table = choice_table(scores).set_index("part")
-    assert list(table.index) == ["power", "fading"]
+    assert list(table.index) == ["power", "background"]
     assert_allclose(table[["mean", "low", "high"]].T, [[0.03, 0.001]] * 3)
     assert list(table["costs_little"]) == [False, True]
     assert_allclose(table["told_apart"], [0.75, 0.6])

@@ -53,9 +53,6 @@ def planted(n_slabs=20, n_layers=(3, 8), **changes):
         "peak_power": ("layer", peak_power),
         "variance_bins2": ("layer", np.full(8, 0.6)),
         "decay_rate": ("layer", np.full(8, 0.1)),
-        "fading_spread_db": ("interface", [1.0, 2.0]),
-        "fading_length_lines": ("interface", [20.0, 40.0]),
-        "fading_exponent": ("interface", [1.0, 2.0]),
         "background_power": ("fall", [0.0, 5e-3, 1e-3]),
     }
     variables |= {name: ("zone", values) for name, values in RELIEF.items()}

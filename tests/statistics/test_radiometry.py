@@ -1,4 +1,4 @@
-"""Radiometry that varies: planted spreads, fading, background and ends of picks come back."""
+"""Radiometry that varies: planted spreads, background and ends of picks come back."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,11 @@ from planted import gaussian_series
 
 from snowsim.statistics import fit, summarise
 from snowsim.statistics.radiometry import common_and_own_spread
-from snowsim.statistics.speckle import FADING_LAGS, fading
 
 N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
 POWER, NOISE, DECAY = 10 ** -np.arange(0, 0.3 * N_LAYERS, 0.3), 1e-3, 0.1
-COMMON_DB, LAYER_DB, NOISE_DB, FADING_DB, FADING_LINES = 3.0, 2.0, 1.5, 2.0, 30
+COMMON_DB, LAYER_DB, NOISE_DB = 3.0, 2.0, 1.5
+FADING_DB, FADING_LINES = 2.0, 30  # of the power of a layer along track
 
 
 def standardised(values):
@@ -60,26 +60,6 @@ def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_
     assert fitted["surface_spread_db"] < 0.15 * NOISE_DB
     for name, value in planted.items():
         assert_allclose(fitted[name], value, rtol=0.15, err_msg=name)
-
-
-def test_planted_fading_comes_back_within_15_percent(planted_radiometry):
-    fading = planted_radiometry.isel(interface=1)
-    assert_allclose(fading["fading_spread_db"], FADING_DB, rtol=0.15)
-    assert_allclose(fading["fading_length_lines"], FADING_LINES, rtol=0.15)
-    assert planted_radiometry.isel(interface=0)["fading_spread_db"] < 0.3
-
-
-def test_fading_longer_than_half_a_block_comes_back():
-    """Exact expectation: covariance of a Gaussian process about its mean, by the matrix itself."""
-    at = np.arange(256)
-    centred = np.eye(256) - 1 / 256
-    distance = np.abs(at - at[:, None])
-    planted = 2.4**2 * np.exp(-((distance / 150) ** 1.5)) + 4 * np.eye(256)
-    covariance = centred @ planted @ centred
-    means = np.array([np.diagonal(covariance, lag).mean() for lag in FADING_LAGS])
-    n = 40 * (256 - FADING_LAGS)
-    fitted = fading(means * n, n, 4.0)
-    assert_allclose(fitted, [2.4, 150, 1.5], rtol=1e-3)
 
 
 def test_planted_gain_comes_back(rng):

@@ -12,7 +12,6 @@ MOST_HIGH = 0.010
 # Statistics that hold a part, all of which are 0 without it. With and without a part, scenes are
 # drawn by the same random numbers.
 SPREADS = {
-    "fading": ("fading_spread_db",),
     "line_gain": ("line_gain_spread_db",),
     "surface_row": ("surface_error_bins", "surface_movement_bins"),
     "relief": ("relief_variance_bins2", "slab_change_bins2"),
@@ -21,7 +20,6 @@ SPREADS = {
     "echoes_below": ("further_rise_db",),
 }
 PARTS = {
-    "fading": "power of a layer varies along track",
     "line_gain": "gain varies from range line to range line",
     "surface_row": "the surface moves about its row",
     "relief": "thickness varies along track",

@@ -38,25 +38,22 @@ SPREADS = (
     "surface_spread_db",
     "common_spread_db",
     "layer_spread_db",
-    "fading_spread_db",
-    "fading_length_lines",
     "line_gain_spread_db",
 )
 SPREAD_BOUND = 0.15
-WHERE = ["layer", "zone", "slab", "interface"]
+WHERE = ["layer", "zone", "slab"]
 NUMBERS = ["flight", "recovered", "error"]
 COLUMNS = ["quantity", *WHERE, *NUMBERS, "unit", "bound", "within"]
-# One in so many averaged range lines of a scene is kept: six of twelve still follow fading along
-# the scene.
+# One in so many averaged range lines of a scene is kept.
 STRIDE = 2
 
 
 def compare(flight, recovered, *, varies=True):
     """Statistics of a flight and those re-estimated from renders, a row for each measured value.
 
-    `layer`, `zone`, `slab` and `interface` (surface or buried) are -1 where a quantity has none;
-    `error` is recovered against the flight's, in `unit`. Where label sets have one radiometry,
-    nothing `varies` and `SPREADS` are left out.
+    `layer`, `zone` and `slab` are -1 where a quantity has none; `error` is recovered against the
+    flight's, in `unit`. Where label sets have one radiometry, nothing `varies` and `SPREADS` are
+    left out.
     """
     bounds = BOUNDS | dict.fromkeys(SPREADS, SPREAD_BOUND) if varies else BOUNDS
     tables = [
@@ -107,9 +104,7 @@ def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
 def thinned(summary, stride):
     """A summary with one in `stride` of its averaged range lines; picks and their power stay whole.
 
-    The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and
-    its share of the power on its picks, where it happens to be strong or faint: with 2 of 12 a
-    sixth of the fading is lost, with 6 none. Of one scene.
+    Of one scene. Its groups differ in speckle alone.
     """
     kept = summary.isel(group=slice(None, None, stride))
     return kept.assign(n_groups=("frame", [kept.sizes["group"]]))
