@@ -31,7 +31,7 @@ from snowsim.statistics.thickness import blocks_in_zones, thickness_statistics
 
 ESTIMATORS = ("deblended", "paper")
 # Binary digits of statistics that are kept, a relative error of 1.5e-5. Processors agree on these:
-# sums and fits differ by at most 1e-11 between them, fading that is longer than a block by 1e-7.
+# sums and fits differ by at most 1e-11 between them.
 SHARED_BITS = 16
 LEAST_SHARE = 2.0**-40  # values below this share of a variable's largest are rounding
 MINIMUM_GROUPS = 5  # averaged lines a layer must be in to be reported

@@ -126,8 +126,8 @@ def varied(
     no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
     and the distance of range lines. What label sets and PHY read changes consistently: a factor of
     thickness moves means, zones and relief alike. Neglected: numbers of layers, powers of layers
-    relative to the surface and fading stay the flight's, and so do, in range bins, the depths over
-    which the power of unpicked snow falls and the movement of the surface.
+    relative to the surface stay the flight's, and so do, in range bins, the depths over which the
+    power of unpicked snow falls and the movement of the surface.
     Correlation of speckle follows the size of bins, not the pulse. Statistics that nothing is drawn
     from, as measured waveforms, stay, too.
 
