@@ -23,7 +23,7 @@ CONFIDENCE = (-0.62, 0.1, 1.08)
 # simulations whose surface is at least 15 dB above noise.
 ECHO_DB = 1.0
 # Texts for people in a card that is written.
-CARD_VERSION = "3"
+CARD_VERSION = "4"
 INPUT_TEXT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
     "near row 50; grey is linear in dB, 0 at 10 dB below the noise floor (the least mean of a row "
