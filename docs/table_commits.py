@@ -24,15 +24,17 @@ FLOWN = (
 TRACKED = ("snowsim/tracker", "snowsim/metrics", "workflow/reference", "workflow/pretrained")
 # Studies whose scenes are scored once, and the code that their scores depend on: they are not
 # repeated at every change, so that their pages have to say what has changed.
-SCORED_ONCE = {"headline": FLOWN, "flights": FLOWN, "transfer": TRACKED, "accumulation": TRACKED}
+SCORED_ONCE = {
+    "headline": FLOWN,
+    "flights": FLOWN,
+    "transfer": TRACKED,
+    "accumulation": (*TRACKED, "snowsim/snowpack"),
+}
 # What has changed in that code since, if anything.
 SINCE = {
     name: "since then trackers are calibrated, each set has its own number of gradients and 4"
     " synthetic scenes a real one, and the scene model is smaller"
     for name in ("headline", "flights")
-} | {
-    name: "since then dates are probabilities, and layers are followed and joined in another way"
-    for name in ("transfer", "accumulation")
 }
 
 
