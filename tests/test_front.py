@@ -212,7 +212,7 @@ def test_what_people_print_is_one_readable_line(drawn):
     assert said == [
         "Scenes(6 of 320 range bins and 64 range lines)",
         "Scene('drawn_000002', 320 range bins, 64 range lines, 4 layers labelled, image)",
-        "Tracker(universal 3, made for bins of 0.2886 ns, lines 5.2 m apart)",
+        "Tracker(universal 4, made for bins of 0.2886 ns, lines 5.2 m apart)",
         "Radar(6 GHz about 5 GHz, hann window, bins of 0.0867 ns, 5 looks, 500 m above the snow)",
         "Snowpack(3 layers down to 2.5 m, 340 to 400 kg m-3, range lines: 1)",
     ]
