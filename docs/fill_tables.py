@@ -65,6 +65,7 @@ DATED_CASES = {
     "cores, a fifth missing": "kind == 'core' and missing == .2",
     "cores, two fifths missing": "kind == 'core' and missing == .4",
 }
+LEAST_CONFIDENCE = 0.5  # of the classes that the table of confidence shows
 # Of layers, in turn: no two that lie beside each other look alike, on grey.
 LAYER_COLOURS = ("#ffd400", "#ff4d00", "#00c8ff")
 TITLES = (
@@ -259,6 +260,26 @@ def choices(results):
     return markdown(header, rows)
 
 
+def confidence(results):
+    """Share of picks that are right by their confidence: mean, least and most of the cases."""
+    of_firn = pd.read_csv(ROOT / "benchmarks/confidence_by_case.csv")
+    of_flights = pd.read_csv(ROOT / "benchmarks/confidence_by_flight.csv")
+    crusts = of_firn.query("n_crusts == 5")
+    kinds = (
+        ("clean firn", of_firn.query("n_crusts == 0"), "right"),
+        ("five crusts, each a layer", crusts, "right"),
+        ("the eight flights below, 16 scenes each", of_flights, "right"),
+        ("five crusts, years alone count", crusts, "right_years"),
+    )
+    rows = []
+    for name, cases, column in kinds:
+        by_class = cases[cases["from"] >= LEAST_CONFIDENCE].groupby("from")[column]
+        shares = zip(by_class.mean(), by_class.min(), by_class.max(), strict=True)
+        cells = [f"{hundredths(a)} ({hundredths(b)}-{hundredths(c)})" for a, b, c in shares]
+        rows.append([name, *cells])
+    return markdown(["confidence", ".5-.6", ".6-.7", ".7-.8", ".8-.9", "above .9"], rows)
+
+
 def transfer(results):
     """The package's tracker on flights it never saw, beside one of their own and untrained ways."""
     scores = pd.read_csv(results / "tables/transfer.csv").set_index("flight")
@@ -379,6 +400,7 @@ TABLES = {
     "budgets": budgets,
     "choices": choices,
     "joining": joining,
+    "confidence": confidence,
     "transfer": transfer,
     "accumulation": accumulation,
     "costs": costs,

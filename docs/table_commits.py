@@ -11,6 +11,7 @@ KEPT = {
     "budgets": "workflow/evaluation/measured_budgets.csv",
     "choices": "workflow/evaluation/measured_choices.csv",
     "joining": "benchmarks/joining_by_flight.csv",
+    "confidence": "benchmarks/confidence_by_case.csv",
     "dates": "benchmarks/years_by_class.csv",
     "dated_cases": "benchmarks/years_by_case.csv",
     "agreement": "benchmarks/agreement_by_flight.csv",

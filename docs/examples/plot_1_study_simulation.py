@@ -46,8 +46,8 @@ axes[1].set(xlabel="range line", title="layers that a tracker should find")
 # -----------------------------
 #
 # A pit, a core or a penetrometer's profile serves as it was measured: here densities every 5 mm,
-# two thin crusts of ice, and 10 cm that nobody could sample. The snow radar has a band of 6 GHz, the
-# accumulation radar one of .3 GHz, whose range bins are 28 times as long. A radar adds the
+# two thin crusts of ice, and 10 cm that nobody could sample. The snow radar has a band of 6 GHz,
+# the accumulation radar one of .3 GHz, whose range bins are 28 times as long. A radar adds the
 # fields of what lies within its range cell (a *reflector* is such a sum), so the two see different
 # layers of the same pit: both crusts are sharp under the snow radar, and blurred into one decay
 # under the other. Most reflectors are too weak to be seen.
