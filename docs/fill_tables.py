@@ -7,6 +7,7 @@ draws ``docs/sample.png`` and copies the figures that pages show. A table whose 
 is left as it is, and named.
 """
 
+import errno
 import re
 import shutil
 import sys
@@ -321,6 +322,8 @@ def costs(results):
         if rule not in others:
             used = pd.read_csv(path, sep="\t", na_values="-")["s"].sum()
             seconds[rule] = seconds.get(rule, 0) + used
+    if not seconds:
+        raise FileNotFoundError(errno.ENOENT, "no benchmark of a job", str(results / "benchmarks"))
     longest = sorted(seconds.items(), key=lambda item: -item[1])[:N_COSTS]
     total = sum(seconds.values())
     rows = [[f"`{rule}`", f"{used:.0f}"] for rule, used in longest]

@@ -55,6 +55,13 @@ def test_a_table_without_its_files_stays_and_is_named(results):
     assert missing.endswith("worth.csv")
 
 
+def test_costs_of_a_run_that_left_no_benchmarks_stay(results):
+    page = "<!-- costs -->\nold\n<!-- /costs -->\n"
+    filled, (missing,) = fill_tables.filled(page, results)
+    assert filled == page
+    assert missing.endswith("benchmarks")
+
+
 def test_agreement_of_flights_stands_beside_f(tmp_path, monkeypatch):
     flights = {"flight": ["noisy_one", "rank correlation with f"], "f": [0.5, np.nan]}
     figures = ("share_matched", "depth_rms_m", "accumulation_rms_m_we", "share_same_year", "offset")
