@@ -6,14 +6,17 @@ default flight lies on one side of zero. Open: it holds zero. Differences of ren
 test scenes (bootstrap), those of trackers are of `table3_intervals.csv`.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 
-from evaluation.lib.flight_scores import LEVEL
+from evaluation.lib.flight_scores import LEVEL, worth_table
 from evaluation.lib.studied import studied_set
 from snowsim.echogram import SURFACE_ROW
 from snowsim.io.scenes import SceneSet
 
+MEASURED_FLIGHTS = Path(__file__).parents[1] / "workflow/evaluation/measured_flights.csv"
 N_BOOTSTRAP = 2000
 METHODS = ("cgan", "phy")
 BENT_SHARE = 0.75  # pixels of layers above this quantile of curvature count as bent
@@ -169,8 +172,8 @@ def claims_of_trackers(intervals):
 
 
 def claims_of_flights(worth):
-    """Rows of the tests over flights that were named before, of `worth.csv`."""
-    tested = worth[worth["role"].isin(["endpoint", "secondary"]) & (worth["metric"] == "ods")]
+    """Rows of the tests over flights that were named before, of a `worth_table`."""
+    tested = worth[worth["p"].notna() & (worth["metric"] == "ods")]
     rows = []
     for row in tested.itertuples():
         p = row.p if row.role == "endpoint" else row.p_holm
@@ -187,5 +190,4 @@ def claims(results):
     """Rows of the table of claims: claim, verdict, numbers."""
     intervals = pd.read_csv(results / "tables/table3_intervals.csv")
     rows = claims_of_renders(results) + claims_of_trackers(intervals)
-    flown = results / "studies/flights/worth.csv"
-    return rows + (claims_of_flights(pd.read_csv(flown)) if flown.exists() else [])
+    return rows + claims_of_flights(worth_table(pd.read_csv(MEASURED_FLIGHTS)))

@@ -24,8 +24,16 @@ from claims import claims
 from table_commits import commit_line
 
 import snowsim
-from evaluation.lib.figures.style import name_of
-from evaluation.lib.flight_scores import ENDPOINT, SECONDARY
+from evaluation.lib.figures.studies import flights_depths, flights_worth
+from evaluation.lib.figures.style import name_of, save_figure
+from evaluation.lib.flight_scores import (
+    ENDPOINT,
+    SECONDARY,
+    found_by_depth,
+    mean_over_flights,
+    share_of_deep,
+    worth_table,
+)
 from evaluation.lib.report import distinguished, errors_of_picks, recovered
 from evaluation.lib.studied import SETS as SETS_STUDIED
 from snowsim.alignment import layer_bins_of
@@ -37,6 +45,10 @@ ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAPER = ROOT / "workflow/evaluation/report/paper"
 WAYS = {"universal": "tracker", "baseline": "peaks", "sato": "ridges"}
+FLOWN_SCORES = "workflow/evaluation/measured_flights.csv"
+FLOWN_DEPTHS = "workflow/evaluation/measured_flights_depths.csv"
+DEPTH_STEP_BINS, DEEPEST_BINS = 100, 400  # of the table of deep layers; the last step has no end
+NOTE = "synthetic reference flights"
 N_COSTS = 8  # rules that a table of costs names
 # Rules that are no part of the default run, by the files that hold them.
 OTHER_TARGETS = ("evaluation/rules/study_*.smk", "rules/pretrained.smk")
@@ -125,28 +137,44 @@ def signed(row):
     return f"{row['mean']:+.3f} [{row['low']:+.3f}, {row['high']:+.3f}]"
 
 
-def flights(results, pairs=(ENDPOINT, *SECONDARY)):
-    """Differences over the flights of the study, of pairs named before; the figure has all."""
-    worth = pd.read_csv(results / "studies/flights/worth.csv")
+def flights(results, pairs=(ENDPOINT, *SECONDARY, ("rd_sample", "rd"))):
+    """Differences over the flights of the study, of pairs whose sets were flown."""
+    worth = worth_table(pd.read_csv(ROOT / FLOWN_SCORES))
     keyed = worth[worth["base"].notna()].set_index(["training_set", "base", "metric"])
     means = worth[worth["base"].isna()].set_index(["training_set", "metric"])["mean"]
     rows = []
     for name, base in pairs:
+        if (name, base, "ods") not in keyed.index:
+            continue
         ods, ap = (keyed.loc[(name, base, metric)] for metric in ("ods", "ap"))
         higher = ods.filter(like="flight_").astype(float) > 0
         both = f"{means[name, 'ods']:.3f}, {means[base, 'ods']:.3f}"
         label = f"{SETS_STUDIED[name].about} less {SETS_STUDIED[base].about}"
-        p = ods["p"] if np.isnan(ods["p_holm"]) else ods["p_holm"]
-        tested = "" if np.isnan(p) else f"{p:.3f}"
+        p = ods["p_holm"] if ods["role"] == "secondary" else ods["p"]
+        tested = "" if np.isnan(p) else "< 0.001" if p < 0.001 else f"{p:.3f}"
         cells = [label, both, signed(ods), tested, signed(ap), f"{higher.sum()} of {higher.size}"]
         rows.append(cells)
     return markdown(["sets", "means of ODS", "ODS", "p", "AP", "higher in ODS"], rows)
 
 
 def headline(results):
-    """README's table of the study: its endpoint, what RD and the control have, and full labels."""
-    others = (("rd_pd", "rd"), ("rd_sample", "rd"), ("rd_full", "rd"))
-    return flights(results, (ENDPOINT, *others))
+    """README's table of the study: its endpoint, and what RD and the control have."""
+    return flights(results, (ENDPOINT, ("rd_pd", "rd"), ("rd_sample", "rd")))
+
+
+def deep_layers(results):
+    """Share of layers' pixels found by depth over the flights, and the difference of deep ones."""
+    depths = pd.read_csv(ROOT / FLOWN_DEPTHS)
+    step = depths["depth_from_bins"].clip(upper=DEEPEST_BINS) // DEPTH_STEP_BINS
+    sums = depths.groupby(["training_set", step])[["n_true", "n_found"]].sum()
+    shares = (sums["n_found"] / sums["n_true"]).unstack()
+    deep = share_of_deep(depths)
+    rows = []
+    for name in (name for name in SETS_STUDIED if name in deep.index):
+        more = "" if name == "rd" else signed(mean_over_flights(deep.loc[name] - deep.loc["rd"]))
+        rows.append([SETS_STUDIED[name].about, *map(hundredths, shares.loc[name]), more])
+    tops = [f"{number * DEPTH_STEP_BINS}-" for number in shares]
+    return markdown(["from range bin", *tops, "from 300, less RD"], rows)
 
 
 def table2(results):
@@ -394,6 +422,7 @@ TABLES = {
     "results": default_run,
     "headline": headline,
     "flights": flights,
+    "deep_layers": deep_layers,
     "table2": table2,
     "table3": table3,
     "picks": picks,
@@ -468,6 +497,14 @@ def sample(results):
     return figure
 
 
+def draw_flights():
+    """Draw the figures of the study of flights, from its tables that are kept."""
+    worth = worth_table(pd.read_csv(ROOT / FLOWN_SCORES))
+    save_figure(ROOT / "docs/_static/flights_worth.svg", flights_worth(worth), NOTE)
+    shares = found_by_depth(pd.read_csv(ROOT / FLOWN_DEPTHS))
+    save_figure(ROOT / "docs/_static/flights_depths.svg", flights_depths(shares), NOTE)
+
+
 @click.command()
 @click.argument("results", type=click.Path(path_type=Path), default=ROOT / "results")
 def main(results):
@@ -479,9 +516,7 @@ def main(results):
             click.echo(f"{page.relative_to(ROOT)}: left as it is: {what}")
     sample(results).savefig(ROOT / "docs/sample.png", dpi=110)
     shutil.copy(results / "figures/speed_accuracy.png", ROOT / "docs")
-    worth = results / "figures/flights_worth.svg"
-    if worth.exists():
-        shutil.copy(worth, ROOT / "docs/_static")
+    draw_flights()
 
 
 if __name__ == "__main__":

@@ -10,6 +10,9 @@ ROOT = Path(__file__).resolve().parents[1]
 KEPT = {
     "budgets": "workflow/evaluation/measured_budgets.csv",
     "choices": "workflow/evaluation/measured_choices.csv",
+    "headline": "workflow/evaluation/measured_flights.csv",
+    "flights": "workflow/evaluation/measured_flights.csv",
+    "deep_layers": "workflow/evaluation/measured_flights_depths.csv",
     "joining": "benchmarks/joining_by_flight.csv",
     "confidence": "benchmarks/confidence_by_case.csv",
     "dates": "benchmarks/years_by_class.csv",
@@ -28,15 +31,12 @@ TRACKED = ("snowsim/tracker", "snowsim/metrics", "workflow/reference", "workflow
 SCORED_ONCE = {
     "headline": FLOWN,
     "flights": FLOWN,
+    "deep_layers": FLOWN,
     "transfer": TRACKED,
     "accumulation": (*TRACKED, "snowsim/snowpack"),
 }
-# What has changed in that code since, if anything.
-SINCE = {
-    name: "since then trackers are calibrated, each set has its own number of gradients and 4"
-    " synthetic scenes a real one, and the scene model is smaller"
-    for name in ("headline", "flights")
-}
+# What has changed in that code since, if anything, by table.
+SINCE = {}
 
 
 def git(*arguments):

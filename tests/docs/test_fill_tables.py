@@ -47,12 +47,32 @@ def test_means_and_differences_are_the_run_s_and_the_rest_of_the_page_is_kept(re
 
 
 def test_a_table_without_its_files_stays_and_is_named(results):
-    page = "<!-- flights -->\nold\n<!-- /flights -->\n<!-- table2 -->\n<!-- /table2 -->\n"
+    page = "<!-- picks -->\nold\n<!-- /picks -->\n<!-- table2 -->\n<!-- /table2 -->\n"
     filled, (missing,) = fill_tables.filled(page, results)
-    assert filled.startswith("<!-- flights -->\nold\n")
+    assert filled.startswith("<!-- picks -->\nold\n")
     assert "| SSIM | 1.00 / 2.00 / 3.00 | 2.00 / 4.00 / 6.00 |" in filled
-    assert missing.startswith("flights: ")
-    assert missing.endswith("worth.csv")
+    assert missing.startswith("picks: ")
+    assert missing.endswith("picks.csv")
+
+
+def test_the_study_of_flights_shows_its_pairs_and_p_values_of_tests_alone(tmp_path, monkeypatch):
+    ods = {"rd": 0.50, "rd_sample": 0.51, "rd_pd": 0.75, "rd_sample_pd": 0.52}
+    rows = [
+        {"training_set": name, "flight": flight, "ods": value**flight, "ois": 1.0, "ap": 0.8}
+        for name, value in ods.items()
+        for flight in (1, 2)
+    ]
+    folder = tmp_path / "workflow/evaluation"
+    folder.mkdir(parents=True)
+    pd.DataFrame(rows).to_csv(folder / "measured_flights.csv", index=False)
+    monkeypatch.setattr(fill_tables, "ROOT", tmp_path)
+    table = fill_tables.flights(tmp_path).splitlines()[2:]
+    # Means of .75 and .5625, of .51 and .2601; differences of .2400 and .3024.
+    assert table[0].startswith("| RD+PD less RD + sample flight | 0.656, 0.385 | +0.271 [-0.125, ")
+    assert table[0].endswith("| 0.073 | +0.000 [+0.000, +0.000] | 2 of 2 |")
+    # Two of four secondary pairs, so that their level is not known yet, and one that is explored.
+    p_values = [row.split(" | ")[3] for row in table[1:]]
+    assert p_values == ["", "", ""]
 
 
 def test_costs_of_a_run_that_left_no_benchmarks_stay(results):

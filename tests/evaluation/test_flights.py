@@ -95,6 +95,15 @@ def test_only_named_pairs_are_tested_and_secondary_ones_share_a_level():
     assert (adjusted["p_holm"] >= adjusted["p"]).all()
 
 
+def test_pairs_are_compared_where_both_sets_were_flown_and_secondary_ones_when_all_were():
+    table = worth_table(scores_of({"rd": 0.7, "rd_sample": 0.7, "rd_pd": 0.7}))
+    pairs = table[table["base"].notna()]
+    compared = set(zip(pairs["training_set"], pairs["base"], strict=True))
+    assert compared == {("rd_pd", "rd_sample"), ("rd_pd", "rd"), ("rd_sample", "rd")}
+    assert list(table.loc[table["p"].notna(), "role"]) == ["endpoint"]
+    assert table["p_holm"].isna().all()
+
+
 def test_holm_s_method_is_that_of_the_published_example():
     # Holm (1979): the smallest of four is compared with a quarter of the level, the next a third.
     assert_allclose(holm(np.array([0.01, 0.04, 0.03, 0.005])), [0.03, 0.06, 0.06, 0.02])

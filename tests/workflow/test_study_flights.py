@@ -137,7 +137,9 @@ def test_two_small_flights_run_to_their_table(tmp_path):
     assert worth[["flight_4000", "flight_4001", "low", "high"]].notna().all(axis=None)
     depths = pd.read_csv(tmp_path / "results/studies/flights/depths.csv")
     assert set(depths["training_set"]) == set(SETS)
-    assert depths["share"].between(0, 1).all()
+    assert (depths["n_found"] <= depths["n_true"]).all()
+    scores = pd.read_csv(tmp_path / "results/studies/flights/scores.csv")
+    assert len(scores) == len(SETS) * 2 * scores["replica"].nunique()
 
 
 @pytest.mark.study

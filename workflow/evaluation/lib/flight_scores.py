@@ -15,7 +15,8 @@ from snowsim.metrics.edges import METRICS
 
 LEVEL = 0.05  # significance level of a two-sided test
 # Pairs (training set, base) that are compared, named before the flights were scored. The endpoint
-# is in ODS, and so are the secondary pairs, which share one level by the method of Holm (1979).
+# is in ODS, and so are the secondary pairs, which share one level by the method of Holm (1979), so
+# that none of them is tested before all of their sets are flown.
 ENDPOINT = ("rd_pd", "rd_sample")
 SECONDARY = (
     ("rd_sample_pd", "rd_sample"),
@@ -36,6 +37,7 @@ EXPLORATORY = (
     ("rd_full", "rd"),
     ("rd_pd", "rd_full"),
 )
+DEEP_BINS = 300  # [range bins] below the surface, about 10 m, from which on a layer is deep
 ROLES = {ENDPOINT: "endpoint"} | dict.fromkeys(SECONDARY, "secondary")
 ROLES |= dict.fromkeys(EXPLORATORY, "exploratory")
 
@@ -56,21 +58,26 @@ def worth_table(scores):
     `scores` has columns `training_set, flight` and `METRICS`, a row for each training. Columns are
     `training_set, base, role, metric`, those of `mean_over_flights`, `p` of a t test, `p_holm`, and
     for each flight the mean over its trainings, `flight_4000` and so on. Values are differences to
-    `base`, or scores where there is no base. `role` is one of endpoint, secondary and exploratory.
-    `p` is given for ODS of the endpoint and the secondary pairs; `p_holm`, for the latter, is
-    adjusted for their number.
+    `base`, or scores where there is no base. `role` is one of endpoint, secondary and exploratory;
+    pairs of which a set was not flown have no row. `p` is given for ODS of the endpoint and the
+    secondary pairs; `p_holm`, for the latter, is adjusted for their number.
     """
     means = scores.groupby(["training_set", "flight"], sort=False)[list(METRICS)].mean()
+    flown = means.index.unique("training_set")
     rows = []
     for (training_set, base), role in ROLES.items():
-        differences = means.loc[training_set] - means.loc[base]
-        rows += _rows(training_set, base, role, differences)
-    for training_set in means.index.unique("training_set"):
+        if training_set in flown and base in flown:
+            differences = means.loc[training_set] - means.loc[base]
+            rows += _rows(training_set, base, role, differences)
+    for training_set in flown:
         rows += _rows(training_set, None, None, means.loc[training_set])
     table = pd.DataFrame(rows)
     secondary = (table["role"] == "secondary") & table["p"].notna()
     table.insert(table.columns.get_loc("p") + 1, "p_holm", np.nan)
-    table.loc[secondary, "p_holm"] = holm(table.loc[secondary, "p"].to_numpy())
+    if secondary.sum() == len(SECONDARY):
+        table.loc[secondary, "p_holm"] = holm(table.loc[secondary, "p"].to_numpy())
+    else:
+        table.loc[secondary, "p"] = np.nan
     return table
 
 
@@ -95,21 +102,27 @@ def _rows(training_set, base, role, values):
     return rows
 
 
+def share_of_deep(depths):
+    """Share of the pixels of deep layers that was found: a row a training set, a column a flight.
+
+    `depths` are as of `found_by_depth`.
+    """
+    deep = depths[depths["depth_from_bins"] >= DEEP_BINS]
+    sums = deep.groupby(["training_set", "flight"], sort=False)[["n_true", "n_found"]].sum()
+    return (sums["n_found"] / sums["n_true"]).unstack()
+
+
 def found_by_depth(depths):
     """Share of layer pixels found by depth, over all trainings: a row a set and a depth step.
 
-    `depths` has columns `training_set, depth_from_bins, n_true, n_found, n_layers` and those that
-    tell trainings apart. Columns are `training_set, depth_from_bins, share, n_layers`, the latter a
-    mean over trainings.
+    `depths` has columns `training_set, flight, replica, depth_from_bins, n_true, n_found,
+    n_layers`. Columns are `training_set, depth_from_bins, share, n_layers`: a layer counts once,
+    not once a training.
     """
     keys = ["training_set", "depth_from_bins"]
     sums = depths.groupby(keys, sort=False)[["n_true", "n_found", "n_layers"]].sum().reset_index()
-    n_trainings = depths.groupby("training_set")["replica"].agg(lambda each: each.nunique())
-    if "flight" in depths:
-        runs = depths[["training_set", "flight", "replica"]].drop_duplicates()
-        n_trainings = runs.groupby("training_set").size()
-        # Layers are counted once a flight, not once a training.
-        n_trainings = n_trainings / depths["flight"].nunique()
+    runs = depths[["training_set", "flight", "replica"]].drop_duplicates()
+    n_trainings = runs.groupby("training_set").size() / depths["flight"].nunique()
     table = sums[keys].assign(share=sums["n_found"] / sums["n_true"])
     table["n_layers"] = sums["n_layers"] / sums["training_set"].map(n_trainings)
     return table.sort_values(keys)

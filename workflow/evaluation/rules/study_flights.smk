@@ -2,7 +2,8 @@
 # from flight to Table III depends on this file, and the default run leaves it out.
 #
 # Every flight is a whole run of this workflow in its own folder, with another seed, climate and radar. After a change of
-# code, remove the flights' folders.
+# code, remove the flights' folders. Pages show the tables that are kept in workflow/evaluation: put
+# results/studies/flights/scores.csv and depths.csv in place of measured_flights.csv and measured_flights_depths.csv.
 
 from evaluation.lib import flights
 
@@ -75,6 +76,7 @@ rule tabulate_flights:
         depths=expand(rules.fly.output.depths, study="flights", flight=FLIGHTS),
     output:
         **drawn("study_flights", "flights_worth.svg", "flights_depths.svg"),
+        scores="results/studies/flights/scores.csv",
         worth="results/studies/flights/worth.csv",
         depths="results/studies/flights/depths.csv",
     log:

@@ -16,10 +16,12 @@ def of_flights(paths):
 
 
 with job(snakemake):
-    worth = worth_table(of_flights(snakemake.input.scores))
+    scores = of_flights(snakemake.input.scores)
+    write_table(snakemake.output.scores, scores)
+    worth = worth_table(scores)
     write_table(snakemake.output.worth, worth)
-    depths = found_by_depth(of_flights(snakemake.input.depths))
+    depths = of_flights(snakemake.input.depths)
     write_table(snakemake.output.depths, depths)
     note = snakemake.params.source
     save_figure(snakemake.output.flights_worth_svg, flights_worth(worth), note)
-    save_figure(snakemake.output.flights_depths_svg, flights_depths(depths), note)
+    save_figure(snakemake.output.flights_depths_svg, flights_depths(found_by_depth(depths)), note)

@@ -5,6 +5,7 @@ from evaluation.lib.figures.style import (
     BLUE,
     GREEN,
     GREY,
+    ORANGE,
     RED,
     list_downwards,
     new_figure,
@@ -13,7 +14,14 @@ from evaluation.lib.figures.style import (
 from evaluation.lib.studied import studied_set
 
 ROLES = {"endpoint": BLACK, "secondary": BLUE, "exploratory": GREY}
-BY_DEPTH = {"rd": BLACK, "rd_sample": GREY, "rd_pd": BLUE, "rd_gd": RED, "rd_full": GREEN}
+BY_DEPTH = {
+    "rd": BLACK,
+    "rd_sample": GREY,
+    "rd_completed": ORANGE,
+    "rd_pd": BLUE,
+    "rd_sample_pd": GREEN,
+    "rd_gd_picked": RED,
+}
 FEWEST_LAYERS = 20  # of a depth step that is drawn
 ALONE = {False: (BLACK, "RD alone"), True: (BLUE, "RD and PHY's scenes")}
 
@@ -38,9 +46,12 @@ def flights_worth(worth):
 
 
 def flights_depths(depths):
-    """Share of layer pixels found against depth below the surface, of some sets."""
-    figure, ax = new_panel(width=5, height=3)
+    """Share of layer pixels found against depth below the surface, of the sets that were flown."""
+    figure, ax = new_panel(width=6, height=3.5)
+    flown = set(depths["training_set"])
     for name, colour in BY_DEPTH.items():
+        if name not in flown:
+            continue
         rows = depths[(depths["training_set"] == name) & (depths["n_layers"] >= FEWEST_LAYERS)]
         ax.plot("depth_from_bins", "share", data=rows, color=colour, marker="o", label=_about(name))
     ax.set(xlabel="depth below the surface, steps from [range bins]", ylim=(0, 1))
