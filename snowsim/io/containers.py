@@ -29,7 +29,7 @@ from typing import Any, TypeVar
 
 import netCDF4
 import numpy as np
-import scipy.io
+import scipy
 import xarray as xr
 from numpy.exceptions import ComplexWarning
 
