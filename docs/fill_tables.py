@@ -11,6 +11,7 @@ import errno
 import re
 import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 import click
@@ -48,7 +49,6 @@ WAYS = {"universal": "tracker", "baseline": "peaks", "sato": "ridges"}
 FLOWN_SCORES = "workflow/evaluation/measured_flights.csv"
 FLOWN_DEPTHS = "workflow/evaluation/measured_flights_depths.csv"
 DEPTH_STEP_BINS, DEEPEST_BINS = 100, 400  # of the table of deep layers; the last step has no end
-NOTE = "synthetic reference flights"
 N_COSTS = 8  # rules that a table of costs names
 # Rules that are no part of the default run, by the files that hold them.
 OTHER_TARGETS = ("evaluation/rules/study_*.smk", "rules/pretrained.smk")
@@ -158,8 +158,9 @@ def flights(results, pairs=(ENDPOINT, *SECONDARY, ("rd_sample", "rd"))):
 
 
 def headline(results):
-    """README's table of the study: its endpoint, and what RD and the control have."""
-    return flights(results, (ENDPOINT, ("rd_pd", "rd"), ("rd_sample", "rd")))
+    """README's table of the study: its endpoint, other controls, and what the control has."""
+    others = (("rd_pd", "rd_completed"), ("rd_pd", "rd"), ("rd_sample", "rd"))
+    return flights(results, (ENDPOINT, *others))
 
 
 def deep_layers(results):
@@ -500,9 +501,13 @@ def sample(results):
 def draw_flights():
     """Draw the figures of the study of flights, from its tables that are kept."""
     worth = worth_table(pd.read_csv(ROOT / FLOWN_SCORES))
-    save_figure(ROOT / "docs/_static/flights_worth.svg", flights_worth(worth), NOTE)
     shares = found_by_depth(pd.read_csv(ROOT / FLOWN_DEPTHS))
-    save_figure(ROOT / "docs/_static/flights_depths.svg", flights_depths(shares), NOTE)
+    figures = {"worth": flights_worth(worth), "depths": flights_depths(shares)}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, figure in figures.items():
+            drawn = Path(folder, f"flights_{name}.svg")
+            save_figure(drawn, figure, "synthetic flights")
+            shutil.copy(drawn, ROOT / "docs/_static")
 
 
 @click.command()

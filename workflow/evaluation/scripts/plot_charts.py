@@ -13,7 +13,7 @@ with job(snakemake):
     (left,) = checkout_files(snakemake.params.budgets)
     budgets = read_table(left)
     save_figure(snakemake.output.atlas_svg, charts.atlas(of_phy, of_statistics), PLANTED)
-    commit, date = budgets.loc[0, ["commit", "date"]]
-    source = f"left: measured with snowsim at commit {commit[:8]}, {date}"
+    commits = ", ".join(commit[:8] for commit in sorted(budgets["commit"].unique()))
+    source = f"left: measured with snowsim at commits {commits}"
     chart = charts.speed_accuracy(budgets, measured)
     save_figure(snakemake.output.speed_accuracy_svg, chart, source)
