@@ -12,6 +12,7 @@ from evaluation.lib.flight_scores import (
     found_by_depth,
     holm,
     mean_over_flights,
+    share_of_deep,
     worth_table,
 )
 from reference import checked_settings
@@ -118,6 +119,18 @@ def test_shares_by_depth_count_layers_once_a_flight():
             rows.append(row)
     (row,) = found_by_depth(pd.DataFrame(rows)).to_dict("records")
     assert row == {"training_set": "rd", "depth_from_bins": 300, "share": 0.2, "n_layers": 14}
+
+
+def test_deep_layers_are_those_from_300_bins_on_and_count_by_their_pixels():
+    columns = ["training_set", "flight", "depth_from_bins", "n_true", "n_found"]
+    rows = [
+        ("rd", 1, 250, 100, 100),
+        ("rd", 1, 300, 100, 10),
+        ("rd", 1, 550, 300, 50),
+        ("rd", 2, 300, 100, 40),
+    ]
+    shares = share_of_deep(pd.DataFrame(rows, columns=columns))
+    assert shares.loc["rd"].to_dict() == {1: 0.15, 2: 0.4}
 
 
 def test_the_interval_over_flights_is_student_s_t():
