@@ -60,6 +60,11 @@ ANNUAL = Rates(scatter=(0.25,), missed=(0.002,), crusts=(0.002,), hidden=0.01)
 # years. Such a span has n > 1 years with the probability 1 / (n (n - 1)), so that no number is
 # typical.
 LOST_ECHO_SHARE = 0.02
+# Of years with this many times the mass that the tracker separates, half of the horizons have no
+# pick; the share falls with the logarithm of the mass as a normal distribution of this standard
+# deviation. Chosen on the tuning seeds of `benchmarks/bench_years.py` with .1 to .2 m w.e. a year.
+HALF_SEPARATED, SEPARATED_SCATTER = 2.5, 0.4
+LEAST_SEPARATED = 0.01  # share that has a pick however thin the years are
 # Scatter of the mass between two named layers; names are refused only from a factor of 4 on.
 NAMED_SCATTER = 0.5
 AUTUMN_SCATTER_YEARS = 0.1  # standard deviation of a horizon's date: some five weeks, assumed
@@ -325,10 +330,11 @@ def _grid(series, rates, expected_m, expected_error):
     numbers = np.arange(pair_mass.size)
     values = np.meshgrid(numbers, rates.missed, rates.crusts, indexing="ij")
     pair, missed, crusts = (value.ravel() for value in values)
-    mass, scatter = pair_mass[pair], pair_scatter[pair]
-    # A horizon is missed, too, if its year is thinner than the tracker separates.
-    deviation = np.log(mass * unit_m / max(series.separable_m, 1e-9)) / scatter
-    missed = 1 - (1 - missed) * np.clip(ndtr(deviation), 0.01, 1)
+    mass = pair_mass[pair]
+    # Horizons are missed, too, where years are thin.
+    half_m = HALF_SEPARATED * max(series.separable_m, 1e-9)
+    separated = ndtr(np.log(mass * unit_m / half_m) / SEPARATED_SCATTER)
+    missed = 1 - (1 - missed) * np.maximum(separated, LEAST_SEPARATED)
     weight = np.ones(mass.size)
     if expected_m is not None:
         weight = np.exp(-(np.log(mass * unit_m / expected_m) ** 2) / (2 * expected_error**2))

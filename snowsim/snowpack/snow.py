@@ -13,6 +13,7 @@ from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
 from snowsim.echogram import check_layers, is_surface
 from snowsim.limits import check_values
 from snowsim.snowpack.column import DensityProfile, column_of, temperature_k_of
+from snowsim.snowpack.dating import HALF_SEPARATED
 from snowsim.snowpack.horizons import NINE_IN_TEN_SD, date_layers, typical_mass_of_layers
 
 if TYPE_CHECKING:
@@ -122,8 +123,8 @@ def accumulation(
           accumulation are means over these years;
         - `flag`: 1 where `year_confidence` is below .8, else 0.
 
-        If a typical year may be as thin as what the tracker separates, nothing is dated: the result
-        has no year, and a warning says so.
+        If a typical year may be so thin that the tracker misses half of the horizons, less than 2.5
+        times what it separates, nothing is dated: the result has no year, and a warning says so.
 
         `open_m_we` (slow_time) is the mass above the horizon of the last autumn. `layer_depth_m`
         and `layer_m_we` (layer, slow_time) are the depth of every layer that is used, and the mass
@@ -253,8 +254,9 @@ def _warn(picks, dated, annual):
     if not dated.resolved:
         warnings.warn(
             "layers: nothing is dated, rows have depth and mass between layers: a typical year "
-            f"may span hardly more than {1e9 * picks.separable_s:.2g} ns, within which the tracker "
-            "separates no layers; name a layer, or give the accumulation that is expected",
+            f"may span less than {HALF_SEPARATED:g} times the {1e9 * picks.separable_s:.2g} ns "
+            "within which the tracker separates no layers; then it misses half of the horizons or "
+            "more; name a layer, or give the accumulation that is expected",
             stacklevel=3,
         )
         return

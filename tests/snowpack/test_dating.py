@@ -91,7 +91,8 @@ def one_by_one(series, scatters, missing, crusts_a_year, hidden, prior=lambda ma
     values = np.meshgrid(masses, scatters, missing, crusts_a_year)
     m, s, missed, crusts = (value.ravel() for value in values)
     if series.separable_m:
-        missed = 1 - (1 - missed) * np.clip(norm.cdf(np.log(m / series.separable_m) / s), 0.01, 1)
+        separated = norm.cdf(np.log(m / (2.5 * series.separable_m)) / 0.4)
+        missed = 1 - (1 - missed) * np.maximum(separated, 0.01)
     grid = (m, s, missed, crusts)
     age = np.zeros((n_picks, n_picks * MOST + MOST))
     total = 0.0
