@@ -25,6 +25,8 @@ from claims import claims
 from table_commits import commit_line
 
 import snowsim
+from evaluation.lib.annotation import annotation_curve
+from evaluation.lib.figures.studies import annotation as annotation_figure
 from evaluation.lib.figures.studies import flights_depths, flights_worth
 from evaluation.lib.figures.style import name_of, save_figure
 from evaluation.lib.flight_scores import (
@@ -48,6 +50,7 @@ PAPER = ROOT / "workflow/evaluation/report/paper"
 WAYS = {"universal": "tracker", "baseline": "peaks", "sato": "ridges"}
 FLOWN_SCORES = "workflow/evaluation/measured_flights.csv"
 FLOWN_DEPTHS = "workflow/evaluation/measured_flights_depths.csv"
+ANNOTATED_SCORES = "workflow/evaluation/measured_annotation.csv"
 DEPTH_STEP_BINS, DEEPEST_BINS = 100, 400  # of the table of deep layers; the last step has no end
 N_COSTS = 8  # rules that a table of costs names
 # Rules that are no part of the default run, by the files that hold them.
@@ -176,6 +179,20 @@ def deep_layers(results):
         rows.append([SETS_STUDIED[name].about, *map(hundredths, shares.loc[name]), more])
     tops = [f"{number * DEPTH_STEP_BINS}-" for number in shares]
     return markdown(["from range bin", *tops, "from 300, less RD"], rows)
+
+
+def annotation(results):
+    """ODS by number of annotated scenes, and how many of them PHY's scenes are worth."""
+    curve = annotation_curve(pd.read_csv(ROOT / ANNOTATED_SCORES))
+    most = curve["n_scenes"].max()
+    header, columns = ["annotated scenes"], []
+    for flight, rows in curve.groupby("flight"):
+        alone, with_pd = (rows[rows["with_pd"] == kind].set_index("n_scenes") for kind in (0, 1))
+        header += [f"flight {flight}: RD", "RD+PD", "worth"]
+        worth = with_pd["worth"].map(lambda n: f"> {most}" if np.isnan(n) else f"{n:.0f}")
+        columns += [alone["ods"].map("{:.3f}".format), with_pd["ods"].map("{:.3f}".format), worth]
+    rows = [[str(n), *(column[n] for column in columns)] for n in sorted(curve["n_scenes"].unique())]
+    return markdown(header, rows)
 
 
 def table2(results):
@@ -424,6 +441,7 @@ TABLES = {
     "headline": headline,
     "flights": flights,
     "deep_layers": deep_layers,
+    "annotation": annotation,
     "table2": table2,
     "table3": table3,
     "picks": picks,
@@ -498,14 +516,16 @@ def sample(results):
     return figure
 
 
-def draw_flights():
-    """Draw the figures of the study of flights, from its tables that are kept."""
-    worth = worth_table(pd.read_csv(ROOT / FLOWN_SCORES))
-    shares = found_by_depth(pd.read_csv(ROOT / FLOWN_DEPTHS))
-    figures = {"worth": flights_worth(worth), "depths": flights_depths(shares)}
+def draw_studies():
+    """Draw the figures of the studies of flights and of annotation, from tables that are kept."""
+    figures = {
+        "flights_worth": flights_worth(worth_table(pd.read_csv(ROOT / FLOWN_SCORES))),
+        "flights_depths": flights_depths(found_by_depth(pd.read_csv(ROOT / FLOWN_DEPTHS))),
+        "annotation": annotation_figure(annotation_curve(pd.read_csv(ROOT / ANNOTATED_SCORES))),
+    }
     with tempfile.TemporaryDirectory() as folder:
         for name, figure in figures.items():
-            drawn = Path(folder, f"flights_{name}.svg")
+            drawn = Path(folder, f"{name}.svg")
             save_figure(drawn, figure, "synthetic flights")
             shutil.copy(drawn, ROOT / "docs/_static")
 
@@ -521,7 +541,7 @@ def main(results):
             click.echo(f"{page.relative_to(ROOT)}: left as it is: {what}")
     sample(results).savefig(ROOT / "docs/sample.png", dpi=110)
     shutil.copy(results / "figures/speed_accuracy.png", ROOT / "docs")
-    draw_flights()
+    draw_studies()
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ KEPT = {
     "headline": "workflow/evaluation/measured_flights.csv",
     "flights": "workflow/evaluation/measured_flights.csv",
     "deep_layers": "workflow/evaluation/measured_flights_depths.csv",
+    "annotation": "workflow/evaluation/measured_annotation.csv",
     "joining": "benchmarks/joining_by_flight.csv",
     "confidence": "benchmarks/confidence_by_case.csv",
     "dates": "benchmarks/years_by_class.csv",

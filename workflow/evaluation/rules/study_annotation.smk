@@ -1,5 +1,6 @@
 # The study of annotation: what PHY's scenes are worth to those who have few annotated ones. Trackers on the first scenes of
-# RD, alone and with PHY's, scored on validation scenes of the default flight and of another.
+# RD, alone and with PHY's, scored on validation scenes of the default flight and of another. Pages show the scores that are
+# kept in workflow/evaluation: put results/studies/annotation/scores.csv in place of measured_annotation.csv.
 
 ANNOTATED = config["studies"]["annotation"]
 ANNOTATED_ON = list(map(str, ANNOTATED["flights"]))
@@ -31,6 +32,7 @@ rule tabulate_annotation:
         scores=expand(rules.fly.output.scores, study="annotation", flight=ANNOTATED_ON),
     output:
         **drawn("study_annotation", "annotation.svg"),
+        scores="results/studies/annotation/scores.csv",
         curve="results/studies/annotation/curve.csv",
     log:
         "logs/tabulate_annotation.log",

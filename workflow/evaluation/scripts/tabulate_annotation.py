@@ -11,6 +11,7 @@ from snowsim.io.files import read_table, write_table
 with job(snakemake):
     flights = zip(snakemake.input.scores, snakemake.params.flights, strict=True)
     scores = pd.concat([read_table(path).assign(flight=flight) for path, flight in flights])
+    write_table(snakemake.output.scores, scores)
     curve = annotation_curve(scores)
     write_table(snakemake.output.curve, curve)
     figure = annotation(curve)
