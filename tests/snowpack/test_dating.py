@@ -61,13 +61,17 @@ def step_of(series, grid, i, j, n):
 
 def start_of(series, grid, hidden, first, begun):
     """Probability of the first horizon at an age, (point,)."""
-    m, s, _, crusts = grid
+    m, s, missed, crusts = grid
     if series.known:
         return 1.0 if 0 in series.known else series.confidence[first] * (crusts / m) ** first
     years = max(series.elapsed + begun, 0.1)
     above = series.above_m[first]
     variance = s**2 / years + (0.1 / years) ** 2 + (series.error_m[first] / above) ** 2
-    density = lognormal(above / (years * m), variance) / above * hidden**begun
+    density = lognormal(above / (years * m), variance) / above
+    for age in range(begun):
+        above_m = max(series.elapsed + age, 0.1) * m
+        in_tail = hidden * norm.cdf(np.log(0.34 / above_m))
+        density = density * (1 - (1 - missed) * (1 - in_tail))
     return series.confidence[first] * density * (crusts / m) ** first * np.exp(-crusts * years)
 
 
@@ -127,7 +131,7 @@ def one_by_one(series, scatters, missing, crusts_a_year, hidden, prior=lambda ma
 
 
 RATES = {
-    "tracked": (TRACKED, (0.2, 0.25), (0.03, 0.1, 0.3), (0.01, 0.05, 0.2), 0.9),
+    "tracked": (TRACKED, (0.2, 0.25), (0.03, 0.1, 0.3), (0.01, 0.05, 0.2), 1.0),
     "annual": (ANNUAL, (0.25,), (0.002,), (0.002,), 0.01),
 }
 
