@@ -191,7 +191,9 @@ def annotation(results):
         header += [f"flight {flight}: RD", "RD+PD", "worth"]
         worth = with_pd["worth"].map(lambda n: f"> {most}" if np.isnan(n) else f"{n:.0f}")
         columns += [alone["ods"].map("{:.3f}".format), with_pd["ods"].map("{:.3f}".format), worth]
-    rows = [[str(n), *(column[n] for column in columns)] for n in sorted(curve["n_scenes"].unique())]
+    rows = [
+        [str(n), *(column[n] for column in columns)] for n in sorted(curve["n_scenes"].unique())
+    ]
     return markdown(header, rows)
 
 

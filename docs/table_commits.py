@@ -37,7 +37,10 @@ SCORED_ONCE = {
     "accumulation": (*TRACKED, "snowsim/snowpack"),
 }
 # What has changed in that code since, if anything, by table.
-SINCE = {}
+SINCE = {
+    "accumulation": "dating has changed since: thin years lack horizons, and the echo of the surface "
+    "hides horizons by their depth",
+}
 
 
 def git(*arguments):

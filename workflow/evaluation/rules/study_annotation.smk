@@ -5,10 +5,10 @@
 ANNOTATED = config["studies"]["annotation"]
 ANNOTATED_ON = list(map(str, ANNOTATED["flights"]))
 CURVE = [
-    (studied.first_scenes(n_real, with_pd), n)
-    for n_real in ANNOTATED["n_scenes"]
+    (studied.first_scenes(each["n_scenes"], with_pd), n)
+    for each in ANNOTATED["sets"]
     for with_pd, kind in enumerate(("alone", "with_pd"))
-    for n in ANNOTATED["n_gradients"][kind]
+    for n in each[kind]
 ]
 
 
