@@ -38,8 +38,8 @@ SCORED_ONCE = {
 }
 # What has changed in that code since, if anything, by table.
 SINCE = {
-    "accumulation": "dating has changed since: thin years lack horizons, and the echo of the surface "
-    "hides horizons by their depth",
+    "accumulation": "dating has changed since: thin years lack horizons, and the echo of the "
+    "surface hides horizons by their depth",
 }
 
 
