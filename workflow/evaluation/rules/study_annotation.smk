@@ -51,4 +51,4 @@ rule study_annotation:
     input:
         rules.tabulate_annotation.output,
     message:
-        "worth of PHY's scenes by number of annotated ones: 1 hour on two cores"
+        "worth of PHY's scenes by number of annotated ones: 1.5 hours on two cores"
