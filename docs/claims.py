@@ -92,7 +92,7 @@ def claims_of_renders(results):
     """Rows of claims on renders of the test scenes' layers."""
     scenes = of_scenes(results)
     mean = scenes.mean()
-    images = pd.read_parquet(results / "similarity.parquet").pivot(index="scene", columns="method")
+    images = pd.read_csv(results / "similarity.csv").pivot(index="scene", columns="method")
     score = images.mean()
     off = {
         name: (scenes[f"{name}_contrast"] - scenes["observed_contrast"]).abs() for name in METHODS

@@ -61,7 +61,7 @@ def examples(blocked=()):
 
 def test_the_core_needs_none_of_the_extras(tmp_path):
     names = [re.match(r"[\w-]+", entry)[0] for entry in EXTRAS["learn"] + EXTRAS["workflow"]]
-    assert {"torch", "snakemake", "tensorboard", "pyarrow", "zarr", "matplotlib"} <= set(names)
+    assert {"torch", "snakemake", "tensorboard", "zarr", "matplotlib"} <= set(names)
     blocked = [{"pyyaml": "yaml"}.get(name, name) for name in names]
     run_in(tmp_path, sys.executable, "-c", examples(blocked))
 

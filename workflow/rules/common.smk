@@ -141,4 +141,4 @@ def added_scenes(method, training_set):
 
 def validation_counts(path):
     """Tables of counts on validation scenes, of every replica of `path`, if there are such scenes."""
-    return expand(f"{path}_validation.parquet", replica=SEEDS) if shards("validation") else []
+    return expand(f"{path}_validation.csv.gz", replica=SEEDS) if shards("validation") else []

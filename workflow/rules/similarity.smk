@@ -6,8 +6,8 @@ rule score_similarity:
         observed="results/benchmark/test/{shard}.nc",
         rendered=[f"results/{FOLDERS.get(name, name)}/test/{{shard}}.nc" for name in METHODS],
     output:
-        images=expand("results/similarity/{method}/{{shard}}.parquet", method=METHODS),
-        rows=expand("results/similarity/{method}/{{shard}}_rows.parquet", method=METHODS),
+        images=expand("results/similarity/{method}/{{shard}}.csv.gz", method=METHODS),
+        rows=expand("results/similarity/{method}/{{shard}}_rows.csv.gz", method=METHODS),
     log:
         "logs/score_similarity/{shard}.log",
     benchmark:
@@ -25,7 +25,7 @@ rule tabulate_similarity:
         images=expand(rules.score_similarity.output.images, shard=shards("test")),
         rows=expand(rules.score_similarity.output.rows, shard=shards("test")),
     output:
-        all_images="results/similarity.parquet",
+        all_images="results/similarity.csv",
         table2=report("results/tables/table2.csv", category="similarity"),
         ssim_depth="results/tables/ssim_depth.csv",
     log:

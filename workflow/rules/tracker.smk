@@ -68,8 +68,8 @@ rule score_tracker:
         validation=benchmark_files("validation"),
         networks=expand("results/tracker/{{scored_set}}/{replica}.safetensors", replica=SEEDS),
     output:
-        counts=expand("results/tracker/{{scored_set}}/{replica}_counts.parquet", replica=SEEDS),
-        picks=expand("results/tracker/{{scored_set}}/{replica}_picks.parquet", replica=SEEDS),
+        counts=expand("results/tracker/{{scored_set}}/{replica}_counts.csv.gz", replica=SEEDS),
+        picks=expand("results/tracker/{{scored_set}}/{replica}_picks.csv.gz", replica=SEEDS),
         validation=validation_counts("results/tracker/{{scored_set}}/{replica}"),
     log:
         "logs/score_tracker/{scored_set}.log",
@@ -93,8 +93,8 @@ RUNS = [(name, replica) for name in TRAINING_SETS | OWN_SETS for replica in SEED
 
 rule tabulate_trackers:
     input:
-        counts=[f"results/tracker/{name}/{replica}_counts.parquet" for name, replica in RUNS],
-        picks=[f"results/tracker/{name}/{replica}_picks.parquet" for name, replica in RUNS],
+        counts=[f"results/tracker/{name}/{replica}_counts.csv.gz" for name, replica in RUNS],
+        picks=[f"results/tracker/{name}/{replica}_picks.csv.gz" for name, replica in RUNS],
         statistics="results/statistics.nc",
     output:
         table3=report("results/tables/table3.csv", category="tracker"),
@@ -122,7 +122,7 @@ rule tabulate_trackers:
 rule tabulate_equal:
     input:
         counts=[
-            f"results/tracker/{name}/{replica}_counts.parquet"
+            f"results/tracker/{name}/{replica}_counts.csv.gz"
             for name in EQUAL_SETS.values()
             for replica in SEEDS
         ],

@@ -75,7 +75,7 @@ rule plot_renders:
 rule plot_similarity:
     input:
         statistics="results/statistics.nc",
-        images="results/similarity.parquet",
+        images="results/similarity.csv",
         ssim_depth="results/tables/ssim_depth.csv",
     output:
         **drawn("similarity", "similarity_boxplots.svg", "ssim_depth.svg"),
@@ -96,7 +96,7 @@ rule plot_tracker:
         statistics="results/statistics.nc",
         scenes=benchmark_files("test"),
         networks=expand("results/tracker/{name}/0.safetensors", name=TRAINING_SETS),
-        picks=expand("results/tracker/{name}/0_picks.parquet", name=TRAINING_SETS),
+        picks=expand("results/tracker/{name}/0_picks.csv.gz", name=TRAINING_SETS),
         picks_by_depth="results/tables/picks_by_depth.csv",
         precision_recall="results/tables/precision_recall.csv",
     output:

@@ -19,7 +19,7 @@ rule write_report:
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
-        images="results/similarity.parquet",
+        images="results/similarity.csv",
         statistics="results/statistics.nc",
     output:
         page="results/report.html",
