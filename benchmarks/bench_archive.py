@@ -25,7 +25,7 @@ import psutil
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / name) for name in ("workflow", "tests", "tests/workflow")]
 
-from slurm import one_node_cluster  # noqa: E402
+from slurm import one_node_cluster, scripts_at_work, steps_at_work  # noqa: E402
 
 N_SEGMENTS, N_FRAMES, N_LINES, FRAMES_PER_JOB = 100, 20, 1000, 100
 N_KILLED, SEED = 4, 0
@@ -75,16 +75,6 @@ def started(folder, profile, path, *words):
         )
 
 
-def jobs_now():
-    """Processes of each SLURM job step at work, a list for each."""
-    steps = [each for each in psutil.process_iter(["name"]) if each.info["name"] == "slurmstepd"]
-    for step in steps:
-        try:
-            yield step.children(recursive=True)
-        except psutil.NoSuchProcess:
-            continue
-
-
 def memory(processes):
     """Resident memory of processes [bytes], as far as they still run."""
     total = 0
@@ -94,21 +84,6 @@ def memory(processes):
         except psutil.NoSuchProcess:
             continue
     return total
-
-
-def kill_a_script(rng):
-    """Kill the script of a job at work; false if there is none."""
-    scripts = []
-    for each in (each for processes in jobs_now() for each in processes):
-        try:
-            if "track_frames.py" in " ".join(each.cmdline()) and "python" in each.name():
-                scripts.append(each)
-        except psutil.NoSuchProcess:
-            continue
-    if not scripts:
-        return False
-    rng.choice(scripts).kill()
-    return True
 
 
 def disturbed_run(folder, path, n_jobs):
@@ -131,8 +106,10 @@ def disturbed_run(folder, path, n_jobs):
             head = started(folder, "slurm", path, "--retries", 2)
             n_started = 2
         most["Snakemake"] = max(most["Snakemake"], memory([psutil.Process(head.pid)]))
-        most["a job"] = max([most["a job"], *map(memory, jobs_now())])
-        if kill_when and n_ended >= kill_when[0] and kill_a_script(rng):
+        most["a job"] = max([most["a job"], *map(memory, steps_at_work())])
+        scripts = list(scripts_at_work("track_frames.py"))
+        if scripts and kill_when and n_ended >= kill_when[0]:
+            rng.choice(scripts).kill()
             say(f"{n_ended} jobs have ended: a script was killed")
             kill_when.pop(0)
         if n_started == 1 and n_ended >= n_jobs // 2:

@@ -6,6 +6,7 @@ import socket
 import subprocess
 from contextlib import contextmanager
 
+import psutil
 from runs import wait_until
 
 DAEMONS = ("slurmctld", "slurmd")
@@ -97,3 +98,23 @@ def state_of(folder):
         [folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False
     )
     return (answer.stdout + answer.stderr).strip()
+
+
+def steps_at_work():
+    """Processes of each job step at work, a list for each."""
+    steps = [each for each in psutil.process_iter(["name"]) if each.info["name"] == "slurmstepd"]
+    for step in steps:
+        try:
+            yield step.children(recursive=True)
+        except psutil.NoSuchProcess:
+            continue
+
+
+def scripts_at_work(name):
+    """Python processes of job steps that run a script of the workflow, by its file's name."""
+    for process in (each for step in steps_at_work() for each in step):
+        try:
+            if "python" in process.name() and name in " ".join(process.cmdline()):
+                yield process
+        except psutil.NoSuchProcess:
+            continue
