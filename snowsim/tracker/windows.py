@@ -36,6 +36,8 @@ def runner(weights, temperature=1.0, where="weights"):
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
     options.inter_op_num_threads = 1
+    # Frames differ in their numbers of rows: memory planned for one shape would be asked for anew.
+    options.enable_mem_pattern = False
     try:
         session = onnxruntime.InferenceSession(weights, options, ["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime does not export its errors
