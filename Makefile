@@ -32,7 +32,7 @@ test: setup
 
 # Everything: slow property tests, several whole runs, crash, cluster and browser suites, the study.
 test-all: setup
-	.venv/bin/python -m pytest -m ""
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -m "" -n 2 --dist loadfile --no-loadscope-reorder
 
 # What the cluster and browser suites need beside .venv, on Debian and as root; without it they are skipped.
 test-machine:

@@ -113,12 +113,14 @@ def disturbed_run(folder, path, n_jobs):
             say(f"{n_ended} jobs have ended: a script was killed")
             kill_when.pop(0)
         if n_started == 1 and n_ended >= n_jobs // 2:
-            say(f"{n_ended} jobs have ended: Snakemake was interrupted")
             head.send_signal(signal.SIGINT)
             head.wait()
+            say(f"{n_ended} jobs have ended: Snakemake was interrupted")
 
 
 def main(folder):
+    # A process in the background ignores Ctrl-C, and hands that on to Snakemake.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     frames_folder = folder / "frames"
     simulate(frames_folder)
     frames = sorted(frames_folder.glob("Data_*.mat"))
@@ -133,8 +135,8 @@ def main(folder):
     for name, of_it in most.items():
         say(f"largest memory of {name}: {of_it / 1e6:.0f} MB")
     tables = list(run.glob("results/benchmarks/track_frames/*.tsv"))
-    spent = pd.concat(pd.read_csv(path, sep="\t") for path in tables)
-    say(f"scripts: {spent['s'].sum():.0f} s, {spent['cpu_time'].sum():.0f} processor seconds")
+    spent = pd.concat(pd.read_csv(path, sep="\t") for path in tables)["s"]
+    say(f"a script takes {spent.mean():.0f} s, {n_lines / spent.sum():.0f} lines a second")
     in_files = sum(path.stat().st_size for path in frames)
     out_files = [path for path in run.glob("results/picks/**/*") if path.is_file()]
     of_layers = sum(path.stat().st_size for path in out_files)
