@@ -38,6 +38,7 @@ SCORED_ONCE = {
 }
 # What has changed in that code since, if anything, by table.
 SINCE = {
+    "transfer": "memory of the network is reserved in another way since, which changes no pick",
     "accumulation": "dating has changed since: thin years lack horizons, and the echo of the "
     "surface hides horizons by their depth",
 }

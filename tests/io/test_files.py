@@ -112,7 +112,9 @@ def test_a_table_comes_back(tmp_path, rng, name, digits):
     assert_frame_equal(read_table(tmp_path / name), table, check_dtype=False, check_exact=True)
 
 
-def test_a_packed_table_has_the_same_bytes_wherever_and_whenever_it_is_written(tmp_path, monkeypatch):
+def test_a_packed_table_has_the_same_bytes_wherever_and_whenever_it_is_written(
+    tmp_path, monkeypatch
+):
     table = pd.DataFrame({"scene": ["a", "b"]})
     write_table(tmp_path / "a.csv.gz", table)
     monkeypatch.setattr("time.time", lambda: 1e9)

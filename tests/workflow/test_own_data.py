@@ -126,11 +126,14 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     done = run_snakemake(tmp_path, configs=configs, timeout=1800)
     assert "left out: figures of the flight and Doppler spectra: images hold" in text_of(done)
     results = tmp_path / "results"
-    # Images and masks are those of the reference run, so what never saw the statistics scores the
-    # same. Renders did.
+    # Images and masks of train scenes are those of the reference run, so what never saw the
+    # statistics learns the same. Renders did. Masks hold layers in whole rows, the reference run
+    # fractions of them: trackers are calibrated to a little different layers.
+    ours, theirs = (each / "tracker/rd/0_losses.csv" for each in (results, exported))
+    assert ours.read_text() == theirs.read_text()
     ours, theirs = (pd.read_csv(each / "tables/table3.csv") for each in (results, exported))
-    same = ["rd_ods", "rd_ois", "rd_ap"]
-    assert_allclose(ours[same], theirs[same], rtol=1e-9)
+    scores = ["rd_ods", "rd_ois", "rd_ap"]
+    assert_allclose(ours[scores], theirs[scores], atol=0.02)
     assert ours.columns.equals(theirs.columns)
     assert ours.notna().all(axis=None)
     check_own(results)
