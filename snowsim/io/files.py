@@ -306,15 +306,15 @@ def read_arrays(path):
 def write_table(path, table):
     """Write a pandas table as CSV without its index, whole or not at all.
 
-    A file `.csv.gz`, which the next job reads, is packed and keeps every digit; a file `.csv`, which
-    people read, has ten.
+    A file `.csv.gz`, which the next job reads, is packed and keeps every digit; a file `.csv`,
+    which people read, has ten.
     """
     packed = Path(path).suffix == ".gz"
     text = table.to_csv(
         index=False, float_format=None if packed else "%.10g", lineterminator="\n"
     ).encode()
     with written_whole(path) as aside:
-        # Without time and name in its header, a packed file has the same bytes whenever it is written.
+        # Without time and name in its header, a packed file has the same bytes at any time.
         aside.write_bytes(gzip.compress(text, 1, mtime=0) if packed else text)
 
 
