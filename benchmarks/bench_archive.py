@@ -1,7 +1,7 @@
 """A small archive through ``snakemake picks`` and SLURM on one machine, jobs killed at random.
 
 ``python benchmarks/bench_archive.py FOLDER`` simulates 100 segments of 20 frames of 1,000 range
-lines in FOLDER/frames, where they are missing (4.6 GB, ten minutes of a core). It starts a SLURM
+lines in FOLDER/frames, where they are missing (5.1 GB, ten minutes of a core). It starts a SLURM
 cluster of one node and tracks them with the profile `slurm`. Meanwhile it kills the scripts of four
 jobs, and interrupts Snakemake when half of the jobs have ended; then Snakemake is started again.
 Printed are the wall time with all that, range lines a second, and the largest memory of Snakemake
@@ -42,13 +42,14 @@ def say(line):
 def simulate(folder):
     """Simulate the segments that are missing in a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    for number in range(N_SEGMENTS):
-        segment = f"2012040{1 + number // 20}_{1 + number % 20:02d}"
+    for seed in range(1, N_SEGMENTS + 1):
+        day, number = divmod(seed - 1, 20)
+        segment = f"2012040{1 + day}_{1 + number:02d}"
         if (folder / f"Data_{segment}_{N_FRAMES:03d}.mat").exists():
             continue
         words = [PROGRAMS / "snowsim", "simulate", f"Data_{segment}_001.mat", "--force"]
         words += ["--radar", "snow-2012", "--frames", N_FRAMES, "--range-lines", N_LINES]
-        words += ["--seed", number, "--accumulation-m", ACCUMULATIONS_M[number % 4]]
+        words += ["--seed", seed, "--accumulation-m", ACCUMULATIONS_M[seed % 4]]
         subprocess.run(list(map(str, words)), cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -150,9 +151,7 @@ def main(folder):
     files = [path.relative_to(alone) for path in alone.rglob("*") if path.is_file()]
     equal, differing, failed = filecmp.cmpfiles(alone, first, files, shallow=False)
     n_others = len(differing) + len(failed)
-    say(
-        f"files of the first job: {len(equal)} equal to those of an undisturbed run, {n_others} not"
-    )
+    say(f"of the first job's files {len(equal)} equal those of an undisturbed run, {n_others} not")
 
 
 if __name__ == "__main__":

@@ -116,9 +116,8 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(
     extra = re.fullmatch(r"# pip install \"?\.(\[\w+\])?\"?", needed)[1] or ""
     write_frames(tmp_path)
     python = bare(tmp_path, f"{next(built.glob('*.whl'))}{extra}")
-    run_in(
-        tmp_path, "bare/bin/snowsim", "simulate", "echogram.nc"
-    )  # the first of README's commands
+    # The first of README's commands: a script reads what it makes.
+    run_in(tmp_path, "bare/bin/snowsim", "simulate", "echogram.nc")
     (tmp_path / "script.py").write_text(SCRIPTS[number])
     assert run_in(tmp_path, python, "-I", "script.py").strip()
 

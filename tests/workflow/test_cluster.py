@@ -64,7 +64,7 @@ def test_frames_of_a_killed_job_are_tracked_as_if_nothing_had_happened(cluster, 
     own = {"frames": str(tmp_path / "frames.tsv"), "tracker": str(tracker)}
     configs = settings(tmp_path, yaml.safe_dump({"import": own, "flight": {"frames_per_job": 1}}))
     undisturbed = run_snakemake(tmp_path / "undisturbed", "--", "picks", configs=configs)
-    assert "2 of 4 steps" in text_of(undisturbed)
+    assert "2 of 4 steps" in text_of(undisturbed)  # a job for each segment, then the table
     words = command(tmp_path / "run", *SOON, "--", "picks", configs=configs, profile="slurm")
     env = environment(PATH=f"{cluster}:{environment()['PATH']}")
     with subprocess.Popen(
