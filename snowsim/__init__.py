@@ -2,7 +2,7 @@
 
 import lazy_loader
 
-__version__ = "0.5.0"
+__version__ = "0.6.0"
 
 # Names for scripts, by the module that defines them. A module is loaded when one of its names is
 # first used, so that `import snowsim` imports no stage.
