@@ -13,9 +13,11 @@ import xarray as xr
 from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import (
     INVENTED_TIME,
+    SURFACE_NAME,
     SURFACE_ROW,
     Scene,
     check_choice,
+    is_surface,
     named_frame,
     scene_height,
     to_uint8,
@@ -213,13 +215,45 @@ def _note_on_place(echogram):
     return None
 
 
+def order_from_surface(twtt, names):
+    """Indices of layers (layer, range_line) from the surface down, (layer,) of int.
+
+    Layer i goes before j if it is above j on a line where both are picked. Layers that share no
+    line are ordered by their median depth below the surface. The layer named "surface" goes first.
+    Of layers that cross, directly or through others, the shallowest goes first.
+    """
+    twtt = pd.DataFrame(twtt)
+    above = np.array([(row <= twtt.values).any(axis=1) for row in twtt.values])
+    np.fill_diagonal(above, False)
+    surface = surface_among(names)
+    depth = twtt
+    if surface is not None:
+        above[surface] = np.arange(len(names)) != surface
+        above[:, surface] = False
+        depth = twtt - twtt.iloc[surface]
+    depth = depth.median(axis=1).fillna(twtt.median(axis=1))
+    order = []
+    left = list(depth.sort_values(kind="stable").index)
+    while left:
+        free = [layer for layer in left if not above[left, layer].any()]
+        order.append((free or left)[0])
+        left.remove(order[-1])
+    return np.array(order)
+
+
+def surface_among(names):
+    """Index of the name of the snow surface, with or without its group, or None."""
+    plain = [name.rpartition(":")[2] for name in names]
+    if SURFACE_NAME in plain:
+        return plain.index(SURFACE_NAME)
+    return next((number for number, name in enumerate(names) if is_surface(name)), None)
+
+
 def with_fixes(dataset):
-    """Dataset with NaN for positions at 0 degrees north and east, unless all are there."""
+    """Dataset with NaN for positions at 0 degrees north and east, where there is no snow."""
     if not {"Latitude", "Longitude"} <= set(dataset):
         return dataset
     away = (dataset["Latitude"] != 0) | (dataset["Longitude"] != 0)
-    if not (away & dataset["Latitude"].notnull()).any():
-        return dataset
     names = ("Latitude", "Longitude")
     return dataset.assign(**{name: dataset[name].where(away) for name in names})
 

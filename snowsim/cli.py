@@ -729,8 +729,9 @@ def track(files, folder, **options):
 @click.option(
     "--annual/--count",
     default=None,
-    help="Take every layer for one year, or count years. By default, years are counted if picks "
-    "have a confidence, and every layer is a year if not, as after picking by hand.",
+    help="Take every layer for one year, or count years. By default, every layer is a year if a "
+    "person picked (picks have no confidence, and some are manual by their type), or if layers "
+    "are those of snowsim simulate.",
 )
 @click.option(
     "--expected",
@@ -761,7 +762,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
 
     \b
     Columns of the CSV; NetCDF has them on (year, slow_time), GeoPackage has means over 500 m:
-      year               autumn of a horizon; the snow of that year lies below it
+      year               year of the autumn in which a horizon formed; the snow of the twelve
+                         months before lies below it
       depth_m            depth of that horizon, the upper end of the year's snow [m]
       thickness_m        thickness of the year's snow [m]
       accumulation_m_we  accumulation of the year [m w.e. / yr]
@@ -784,6 +786,10 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     from snowsim.io.pictures import write_picture
     from snowsim.snowpack import accumulation, by_year, pieces, table
 
+    if settings["expected_m"] is None:
+        refuse_options(
+            click.get_current_context(), ("expected_error",), "of --expected, which is missing"
+        )
     picture = path.with_suffix(".png")
     path_by_year = path.with_name(f"{path.stem}_years.csv")
     outputs = [path, path_by_year, picture] if png else [path, path_by_year]
@@ -802,18 +808,13 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
         write_table(path_by_year, by_year(found))
         if png:
             write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
-    echo_accumulation(path, len(rows), found, settings["temperature_k"])
-    if settings["annual"] is None and "confidence" not in layers:
-        click.echo(
-            "every layer is taken for a year, because picks without a confidence are a person's; "
-            "--count counts years (picks of snowsim track have a confidence in SEGMENT_layers.nc)"
-        )
+    echo_accumulation(path, len(rows), found, settings)
     if png:
         click.echo(f"{picture}: layers and accumulation")
 
 
-def echo_accumulation(path, n_rows, found, temperature_k):
-    """Print the number of rows and years, the picks that were left out, and the density used."""
+def echo_accumulation(path, n_rows, found, settings):
+    """Print the number of rows and years, the picks that were left out, and what was assumed."""
     summary = f"{n_rows} rows of {found.sizes['year']} years; uppermost horizon "
     summary += found.attrs["uppermost"]
     if found.attrs["no_horizon"]:
@@ -823,10 +824,15 @@ def echo_accumulation(path, n_rows, found, temperature_k):
     click.echo(f"{path}: {summary}")
     click.echo(found.attrs["surety"])
     if "temperature_k" in found.attrs:
-        place = " of the place, by Fausto et al. (2009)" * (temperature_k is None)
+        place = " of the place, by Fausto et al. (2009)" * (settings["temperature_k"] is None)
         click.echo(
             f"density: Herron & Langway (1980) from {found.attrs['surface_density_kg_m3']:g} "
             f"kg m-3, at {found.attrs['temperature_k']:.4g} K{place}"
+        )
+    if settings["annual"] is None and found.attrs["annual"]:
+        click.echo(
+            "every layer is taken for a year, as of a person or a simulation; --count counts years "
+            "(picks of snowsim track have a confidence in SEGMENT_layers.nc)"
         )
 
 

@@ -13,13 +13,13 @@ import pandas as pd
 import xarray as xr
 
 from snowsim import __version__
+from snowsim.alignment import order_from_surface, surface_among
 from snowsim.echogram import (
     SURFACE_NAME,
     UNITS,
     check_choice,
     check_layers,
     crossing_layers,
-    is_surface,
     named_frame,
     without_repeats,
 )
@@ -134,12 +134,12 @@ def _read_layers(path, names, missing):
     return select_layers(layers, names, missing, stored.path)
 
 
-def open_segment(paths: Iterable[str | PathLike[str]]) -> xr.Dataset:
+def open_segment(paths: str | PathLike[str] | Iterable[str | PathLike[str]]) -> xr.Dataset:
     """Layers of all frames of a segment as one dataset, in order of time.
 
     Parameters
     ----------
-    paths : iterable of path_like
+    paths : path_like or iterable of path_like
         Files that `read_layers` reads: the `SEGMENT_layers.nc` of `snowsim track`, or files of its
         frames. With ``SEGMENT/*.mat``, the organizer file among the layer files is ignored.
 
@@ -157,7 +157,7 @@ def open_segment(paths: Iterable[str | PathLike[str]]) -> xr.Dataset:
         In one line, if there is no file, `read_layers` refuses one, frames overlap in time, or
         tracked frames belong to several segments or several calls of `snowsim track`.
     """
-    paths = [Path(path) for path in paths]
+    paths = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
     organizers = {find_organizer(path) for path in paths}
     paths = [path for path in paths if path not in organizers]
     where = "segment"
@@ -438,44 +438,10 @@ def _without_placeholders(dataset, where):
     return dataset.assign(twtt=twtt)
 
 
-def order_from_surface(twtt, names):
-    """Indices of layers (layer, range_line) from the surface down, (layer,) of int.
-
-    Layer i goes before j if it is above j on a line where both are picked. Layers that share no
-    line are ordered by their median depth below the surface. The layer named "surface" goes first.
-    Of layers that cross, directly or through others, the shallowest goes first.
-    """
-    twtt = pd.DataFrame(twtt)
-    above = np.array([(row <= twtt.values).any(axis=1) for row in twtt.values])
-    np.fill_diagonal(above, False)
-    surface = surface_among(names)
-    depth = twtt
-    if surface is not None:
-        above[surface] = np.arange(len(names)) != surface
-        above[:, surface] = False
-        depth = twtt - twtt.iloc[surface]
-    depth = depth.median(axis=1).fillna(twtt.median(axis=1))
-    order = []
-    left = list(depth.sort_values(kind="stable").index)
-    while left:
-        free = [layer for layer in left if not above[left, layer].any()]
-        order.append((free or left)[0])
-        left.remove(order[-1])
-    return np.array(order)
-
-
 def begins_with_surface(layers):
     """True if the first layer is named surface, or if layers have numbers instead of names."""
     index = layers.get_index("layer")
     return index.dtype.kind not in "OUS" or surface_among(index.astype(str)) == 0
-
-
-def surface_among(names):
-    """Index of the name of the snow surface, with or without its group, or None."""
-    plain = [name.rpartition(":")[2] for name in names]
-    if SURFACE_NAME in plain:
-        return plain.index(SURFACE_NAME)
-    return next((number for number, name in enumerate(names) if is_surface(name)), None)
 
 
 def find_organizer(path):

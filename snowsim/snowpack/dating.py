@@ -164,9 +164,7 @@ class Posterior:
     @property
     def mass_error(self):
         """Standard deviation of the logarithm of the mass of a typical year."""
-        log = np.log(self.mass_m)
-        mean = self.weight @ log / self.weight.sum()
-        return float(np.sqrt(self.weight @ (log - mean) ** 2 / self.weight.sum()))
+        return log_scatter(self.mass_m, self.weight)
 
     def below(self, mass_m):
         """Probability that a typical year has less than this mass [m w.e.]."""
@@ -315,11 +313,26 @@ def typical_mass(series, rates=TRACKED, expected_m=None, expected_error=0.3):
     """`Posterior.typical_m` [m w.e.], at less cost if no layer below the first has a known age."""
     if max(series.known, default=0) > 0:
         return posterior(series, rates, expected_m, expected_error).typical_m
+    return quantile(*weighted_masses(series, rates, expected_m, expected_error), 0.5)
+
+
+def weighted_masses(series, rates=TRACKED, expected_m=None, expected_error=0.3):
+    """Masses of a typical year [m w.e.] and their weights, without the ages of picks.
+
+    Only the first layer may have a known age.
+    """
     grid = _grid(series, rates, expected_m, expected_error)
     log_weight = _sums(series, grid, rates, {pick: 0 for pick in series.known}).log_weight
     weight = np.exp(log_weight - log_weight.max())
     negligible = NEGLIGIBLE_NAMED_POINT if series.known else NEGLIGIBLE_POINT
-    return quantile(grid.mass * grid.unit_m, np.where(weight > negligible, weight, 0), 0.5)
+    return grid.mass * grid.unit_m, np.where(weight > negligible, weight, 0)
+
+
+def log_scatter(values, weights):
+    """Standard deviation of the logarithm of values with weights."""
+    log = np.log(values)
+    mean = weights @ log / weights.sum()
+    return float(np.sqrt(weights @ (log - mean) ** 2 / weights.sum()))
 
 
 def _grid(series, rates, expected_m, expected_error):

@@ -15,13 +15,14 @@ from snowsim.snowpack.dating import (
     TRACKED,
     Posterior,
     Series,
+    log_scatter,
     posterior,
     quantile,
     stated_ages,
     typical_mass,
+    weighted_masses,
 )
 
-YEAR_DAYS = 366
 NINE_IN_TEN_SD = 1.645  # a Gaussian lies within so many standard deviations in nine of ten cases
 NINE_IN_TEN_QUANTILES = (0.05, 0.95)  # nine of ten cases lie between these quantiles
 MOST_COMPARED_LINES = 1000  # the median distance of two layers is that on at most so many lines
@@ -29,8 +30,9 @@ N_MEDIAN_ROUNDS = 3  # rounds of medians by layer and by line; assumed, not meas
 # Named layers are refused if the mass of a year between them is more than so many times the typical
 # one, or less than it divided by this.
 REFUSED_FACTOR = 4
-# A warning is given if the typical mass and the expected one differ by more than this factor.
-NOTED_FACTOR = 2
+# A warning is given if the expected mass and the typical one by the layers alone differ by more
+# than this factor, or by more than so many of their joint standard deviations.
+NOTED_FACTOR, NOTED_SD = 2, 3
 # Nothing is dated if typical years are, with more than this probability, so thin that half of their
 # horizons have no pick. So on thirty tuning seeds none of 180 simulations of .1 m w.e. a year is
 # dated, where less than .3 of dates would be right, and 50, 43 and 36 of 60 of .15 m with 0, 3 and
@@ -113,7 +115,7 @@ def date_layers(water_m, picks, year, annual, expected, separable_m):
 
     The tracker separates layers with at least `separable_m` [m w.e.] between them.
     """
-    last_autumn = picks.flown.year - 1
+    last_autumn = picks.last_autumn
     series, given = _checked_series(water_m, picks, year, annual, expected, separable_m)
     known = series.known
     found = posterior(series, ANNUAL if annual else TRACKED, *expected)
@@ -152,17 +154,19 @@ def _checked_series(water_m, picks, year, annual, expected, separable_m):
     """
     by_name = year if hasattr(year, "items") else {str(picks.names[1]): year}
     given = years_by_layer(picks, {} if year is None else by_name)
-    last_autumn = picks.flown.year - 1
-    known = {layer - 1: last_autumn - given_year for layer, given_year in given.items()}
+    known = {layer - 1: picks.last_autumn - given_year for layer, given_year in given.items()}
     series = replace(median_series(water_m, picks, known), separable_m=separable_m)
-    expected_m, _ = expected
+    expected_m, expected_error = expected
     if len(known) > 1 or expected_m is not None:
-        by_layers_m = typical_mass(replace(series, known={}), ANNUAL if annual else TRACKED)
+        rates = ANNUAL if annual else TRACKED
+        masses = weighted_masses(replace(series, known={}), rates)
+        by_layers_m = quantile(*masses, 0.5)
         _check_years(series, by_layers_m, given)
-        if expected_m and abs(np.log(by_layers_m / expected_m)) > np.log(NOTED_FACTOR):
+        noted = min(np.log(NOTED_FACTOR), NOTED_SD * np.hypot(log_scatter(*masses), expected_error))
+        if expected_m and abs(np.log(by_layers_m / expected_m)) > noted:
             warnings.warn(
-                f"expected_m: {expected_m:g} m w.e. a year were expected, by the layers alone a "
-                f"typical year has {by_layers_m:.2g}",
+                f"expected_m: {expected_m:g} m w.e. a year were expected, with a relative error of "
+                f"{expected_error:g}; by the layers alone a typical year has {by_layers_m:.2g}",
                 stacklevel=4,
             )
     return series, given
@@ -208,9 +212,8 @@ def median_series(water_m, picks, known):
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = picks.error_s[1:] / picks.below_s[1:]
     error_m = above_m * np.nan_to_num(_median(relative)) / NINE_IN_TEN_SD
-    elapsed = picks.flown.day_of_year / YEAR_DAYS
     sure = 1 - _median(picks.doubt[1:])
-    return Series(above_m, span_m, error_m, disjoint, sure, elapsed, known)
+    return Series(above_m, span_m, error_m, disjoint, sure, picks.elapsed, known)
 
 
 def _without_line_factors(below_m):
@@ -236,12 +239,11 @@ def years_by_layer(picks, year):
     for each in year.values():
         check_count("year", each, 0)
     given = {layer: year[name] for layer, name in enumerate(picks.names) if name in year}
-    flown = picks.flown.year  # year of the surface; the last autumn is that of the year before
-    falls = np.diff([flown, *given.values()]) < 0
+    falls = np.diff([picks.last_autumn + 1, *given.values()]) < 0
     if len(given) != len(year) or 0 in given or not falls.all():
         msg = (
             f"year: expected names of layers with picks, {', '.join(picks.names[1:])}, and years "
-            f"that fall from each to the next, none after {flown - 1}, found {year}"
+            f"that fall from each to the next, none after {picks.last_autumn}, found {year}"
         )
         raise ValueError(msg)
     return given

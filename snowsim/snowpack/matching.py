@@ -74,7 +74,7 @@ ON = {"place": ON_PLACE, "layer": ON_LAYER, "annual": ON_ANNUAL}
 
 
 def agreement(
-    segments: Iterable[xr.Dataset] | Mapping[str, xr.Dataset],
+    segments: xr.Dataset | Iterable[xr.Dataset] | Mapping[str, xr.Dataset],
     density: float | DensityProfile | None = None,
     *,
     within_m: float = 50.0,
@@ -85,7 +85,7 @@ def agreement(
 
     Parameters
     ----------
-    segments : iterable of xarray.Dataset, or mapping of str to xarray.Dataset
+    segments : xarray.Dataset, iterable of these, or mapping of str to xarray.Dataset
         Layers of segments, as `snowsim.io.open_segment` joins them, with `Latitude` and
         `Longitude`. In results they are named by their numbers 0, 1, ..., or as in the mapping.
     density : float or snowsim.io.profiles.Profile, optional
@@ -144,6 +144,8 @@ def agreement(
     """
     check_values("within_m", within_m, 0, above=True, number=True)
     check_values("tolerance_years", tolerance_years, 0, MOST_YEARS, above=True, number=True)
+    if isinstance(segments, xr.Dataset):
+        segments = [segments]  # whose track may meet itself
     if not isinstance(segments, Mapping):
         segments = {str(number): layers for number, layers in enumerate(segments)}
     tracks = {name: _checked_track(layers, name, within_m) for name, layers in segments.items()}

@@ -22,7 +22,6 @@ from snowsim.phy import render
 from snowsim.phy.waveform import waveform_peak
 from snowsim.progress import with_progress
 from snowsim.seeding import generator
-from snowsim.snowpack.horizons import YEAR_DAYS
 from snowsim.snowpack.physical import (
     Climate,
     Radar,
@@ -30,7 +29,7 @@ from snowsim.snowpack.physical import (
     depth_and_water,
     physical_parameters,
 )
-from snowsim.snowpack.snow import NORTH_MONTHS
+from snowsim.snowpack.snow import NORTH_MONTHS, YEAR_DAYS
 
 # By default flights are at the end of a snow year, so that a whole year's snow lies above the first
 # horizon of a climate. They go due north.

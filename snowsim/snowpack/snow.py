@@ -3,23 +3,26 @@
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from snowsim.alignment import with_fixes
+from snowsim.alignment import order_from_surface, with_fixes
 from snowsim.constants import KOVACS_M3_KG, WATER_DENSITY_KG_M3
-from snowsim.echogram import check_layers, is_surface
+from snowsim.echogram import (
+    INVENTED_TIME,
+    SURFACE_NAME,
+    check_layers,
+    crossing_layers,
+    is_surface,
+)
 from snowsim.limits import check_values
 from snowsim.snowpack.column import DensityProfile, column_of, temperature_k_of
 from snowsim.snowpack.dating import HALF_SEPARATED
 from snowsim.snowpack.horizons import NINE_IN_TEN_SD, date_layers, typical_mass_of_layers
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-
+YEAR_DAYS = 366
 # Density at the surface if none is given. With it, the density of Herron & Langway's firn below 1 m
 # is within 3 % of the medians of 391 Greenland cores from above 2500 m.
 SURFACE_DENSITY_KG_M3 = 340.0
@@ -29,6 +32,7 @@ NORTH_MONTHS, SOUTH_MONTHS = 4, 10
 FIRST_GUESS_M = 0.3
 N_FIRN_ROUNDS = 2  # rounds of that firn and the mean accumulation; assumed, not measured
 USUAL_CONFIDENCE = 0.9  # confidence of picks that come without one, as a person's do
+AUTOMATIC = 2  # `type` of picks that no person set
 LEAST_DOUBT = 0.05  # least probability that no layer lies at a pick
 EXPECTED_LIMITS_M = (0.001, 10)  # limits of an expected accumulation, those of `Climate`
 LONG_YEARS = 12  # a warning is given if two picks lie more years apart
@@ -64,7 +68,7 @@ LEAST_SURE = 0.8  # least confidence of a date without a flag
 
 
 def accumulation(
-    layers: "xr.Dataset",
+    layers: xr.Dataset,
     density: float | DensityProfile | None = None,
     *,
     year: int | Mapping[str, int] | None = None,
@@ -74,15 +78,16 @@ def accumulation(
     temperature_k: float | None = None,
     density_error: float = 0.05,
     least_confidence: float = 0.5,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Accumulation of every year between picked layers, along the track.
 
     Parameters
     ----------
     layers : xarray.Dataset
         Layers as `snowsim track` writes them, or as `snowsim.io.open_segment` joins them. `twtt`
-        (layer, slow_time) [s] runs from the surface down, and a name stays with the same horizon
-        along the track. `twtt_low`, `twtt_high` and `confidence` are used if present.
+        (layer, slow_time) [s] is that of the surface and of layers below it, in any order, and a
+        name stays with the same horizon along the track. `twtt_low`, `twtt_high` and `confidence`
+        [0, 1] are used if present.
     density : float or snowsim.io.profiles.Profile, optional
         Density of the snow [kg m-3], 50 to 917, or a profile of density; picks below the end of
         the profile are not used. By default density grows from 340 by Herron & Langway (1980),
@@ -92,10 +97,12 @@ def accumulation(
         ``{"snow_3": 2008}``. The snow of a year lies below the horizon of that year. By default the
         newest horizon is that of the last autumn before the first range line, and years above the
         first layer are counted, too. From September on (in the south, March) the last autumn is
-        that of the same year.
+        that of the same year. Where times are invented, as of images, the year of the first layer
+        must be given.
     annual : bool, optional
         Whether every layer is one autumn horizon, and none is missing; else years are counted. By
-        default layers are annual if they have no `confidence`, since a person picked them.
+        default layers are annual if they have no `confidence`, and either not every pick is
+        automatic by its `type`, as where a person picked, or they are the interfaces of `simulate`.
     expected_m, expected_error : float, optional
         Accumulation known for the place [m w.e. / yr], and its relative standard deviation.
     temperature_k : float, optional
@@ -132,7 +139,8 @@ def accumulation(
         the depth [m] at travel times below the surface.
 
         Attributes are `uppermost`, the newest dated horizon and its year, ``snow_2=2011``;
-        `last_autumn`, the year of age 0; `surety`, a line on how many dates are sure; `typical_m`,
+        `last_autumn`, the year of age 0; `annual`, 1 if every layer was taken for a year, else 0;
+        `surety`, a line on how many dates are sure; `typical_m`,
         the mass of a typical year; `no_horizon`, the names of layers that are probably crusts;
         `n_below_profile`, the number of picks below the end of a profile; and
         `surface_density_kg_m3` and `temperature_k` of firn.
@@ -140,8 +148,9 @@ def accumulation(
     Raises
     ------
     ValueError
-        If the surface is missing, layers cross, a density is out of range, no range line has two
-        horizons within the profile, no layer has a given name, or years contradict one another.
+        If layers are no dataset, the surface is missing, layers cross, a confidence or a density is
+        out of range, no range line has two horizons within the profile, no layer has a given name,
+        years contradict one another, or times are invented and the first layer has no year.
 
     Notes
     -----
@@ -159,13 +168,13 @@ def accumulation(
     Picks lie 1.2 to 1.7 range bins below their interface. This cancels in a year's mass, but not in
     `open_m_we`.
     """
-    layers = with_fixes(layers)
-    picks = _picks(layers, least_confidence)
+    layers = _checked(layers)
+    picks = _picks(layers, least_confidence, year)
     check_values("density_error", density_error, 0, 1)
     check_values("expected_error", expected_error, 0, above=True, number=True)
     if expected_m is not None:
         check_values("expected_m", expected_m, *EXPECTED_LIMITS_M, number=True)
-    annual = "confidence" not in layers if annual is None else annual
+    annual = _every_one_a_year(layers) if annual is None else annual
     firn = {}
     if density is None or temperature_k is not None:
         density = SURFACE_DENSITY_KG_M3 if density is None else density
@@ -185,8 +194,60 @@ def accumulation(
     _warn(used, dated, annual)
     n_below = int((picks.below_s > column.twtt_s[-1]).sum())
     return _yearly(layers, used, column, dated, density_error).assign_attrs(
-        n_below_profile=n_below, **firn
+        n_below_profile=n_below, annual=int(annual), **firn
     )
+
+
+def _checked(layers):
+    """Layers from the surface down, without fixes that are none; ValueError if they are refused."""
+    if not isinstance(layers, xr.Dataset):
+        expected = "a dataset, as snowsim.io.open_segment reads it from files"
+        msg = f"layers: expected {expected}, got {type(layers).__name__}"
+        raise ValueError(msg)
+    layers = _from_surface_down(with_fixes(layers))
+    check_layers(layers)
+    if "confidence" in layers:
+        known = layers["confidence"].values
+        check_values("layers: confidence", known[np.isfinite(known)], 0, 1)
+    return layers
+
+
+def _from_surface_down(layers):
+    """Layers in order from the surface down, as ages are counted.
+
+    Names need not be in this order: layers that a person added come last, and those behind a gap of
+    a track go on with numbers of their own.
+    """
+    if {"layer", "slow_time"} != set(layers.get("twtt", xr.DataArray()).dims):
+        return layers  # which is refused
+    twtt = layers["twtt"].transpose("layer", "slow_time").values
+    names = [str(name) for name in layers.get_index("layer")]
+    names[:1] = [SURFACE_NAME if name == "0" else name for name in names[:1]]
+    below = pd.DataFrame(twtt - twtt[0]).median(axis=1).dropna()
+    if below.is_monotonic_increasing and not crossing_layers(twtt).any():
+        return layers
+    return layers.isel(layer=order_from_surface(twtt, names))
+
+
+def _every_one_a_year(layers):
+    """Whether layers are a person's, or the interfaces of simulated snow, and not a tracker's."""
+    if "confidence" in layers:
+        return False
+    by_hand = ((layers["type"] != AUTOMATIC) & layers["twtt"].notnull()).any()
+    if by_hand or layers["twtt"].attrs.get("place") == "interface":
+        return True
+    warnings.warn(
+        "layers: all picks are automatic by their type, so years are counted; say if a person "
+        "made every layer one year (annual=True, --annual)",
+        stacklevel=3,
+    )
+    return False
+
+
+def _latitudes(layers):
+    """Known latitudes of range lines [degrees]."""
+    latitudes = np.asarray(layers.get("Latitude", []), dtype=float)
+    return latitudes[np.isfinite(latitudes)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +256,8 @@ class _Picks:
 
     `below_s` is the travel time below the surface, `error_s` its error, and `doubt` the probability
     that no layer lies there, all (layer, range_line). `left_out` names layers above the first one
-    used. `flown` is the time of the first range line, in years that begin with an autumn.
+    used. `last_autumn` is the year of the last autumn before the first range line, and `elapsed`
+    the share of the snow year that had elapsed since.
     `separable_s` is the least time between two layers that the tracker separates, 0 if unknown.
     """
 
@@ -204,7 +266,8 @@ class _Picks:
     error_s: np.ndarray
     doubt: np.ndarray
     left_out: str
-    flown: pd.Timestamp
+    last_autumn: int
+    elapsed: float
     separable_s: float
 
     def down_to(self, column):
@@ -221,9 +284,8 @@ class _Picks:
         return replace(self, **{name: getattr(self, name)[inside] for name in names})
 
 
-def _picks(layers, least_confidence):
+def _picks(layers, least_confidence, year):
     """`_Picks` of a dataset, without the layers that are missing or faint on most lines."""
-    check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...).dropna("layer", how="all", subset=["twtt"])
     names = np.array([str(name).rpartition(":")[2] for name in layers.get_index("layer")])
     twtt = layers["twtt"]
@@ -236,17 +298,45 @@ def _picks(layers, least_confidence):
     # A layer that is faint on most lines, as in the tail of the surface's echo, would shift dates.
     kept = np.flatnonzero(sure.median("slow_time") >= least_confidence)
     if 0 not in kept[:-1]:
+        unnamed = all(name.startswith("id ") for name in names)
+        remedy = ": no organizer file layer_SEGMENT.mat beside them names layers" * unnamed
         msg = (
             "layers: expected the surface first, with travel times, and others below it of "
-            f"confidence {least_confidence:g} or more, found {', '.join(names)}"
+            f"confidence {least_confidence:g} or more, found {', '.join(names)}{remedy}"
         )
         raise ValueError(msg)
     values = (each.values[kept] for each in (below, error, doubt))
-    months = SOUTH_MONTHS if np.any(layers.get("Latitude", 0) < 0) else NORTH_MONTHS
-    flown = layers.get_index("slow_time")[0] + pd.DateOffset(months=months)
     left_out = ", ".join(names[1 : kept[1]])
+    names = names[kept]
     separable_s = float(layers.attrs.get("apart_s", 0))
-    return _Picks(names[kept], *values, left_out, flown, separable_s)
+    return _Picks(names, *values, left_out, *_season(layers, year, names[1]), separable_s)
+
+
+def _season(layers, year, first):
+    """Year of the last autumn before the flight, and share of the snow year elapsed since.
+
+    Where times are invented, the last autumn is that of the layer named `first`, whose year is
+    given; else ValueError.
+    """
+    latitudes = _latitudes(layers)
+    if year is None and not latitudes.size:
+        warnings.warn(
+            "layers: no positions: snow years are taken to end in August, as in the north",
+            stacklevel=4,
+        )
+    is_south = latitudes.size > 0 and np.median(latitudes) < 0
+    time = layers.get_index("slow_time")[0]
+    in_years = time + pd.DateOffset(months=SOUTH_MONTHS if is_south else NORTH_MONTHS)
+    last_autumn = in_years.year - 1
+    if time == INVENTED_TIME:
+        last_autumn = year.get(first) if isinstance(year, Mapping) else year
+        if last_autumn is None:
+            msg = (
+                "layers: slow_time: expected the time of the flight, from which years are counted, "
+                f"found invented ones: give the year of {first} (year, --year {first}=2011)"
+            )
+            raise ValueError(msg)
+    return last_autumn, in_years.day_of_year / YEAR_DAYS
 
 
 def _warn(picks, dated, annual):

@@ -71,7 +71,8 @@ def track_files(
     ------
     ValueError
         In one line, before anything is tracked: the folder cannot be written to, two files have the
-        same name, an image has that of a segment, or the tracker is damaged.
+        same name, an image has that of a segment, `bin_s` is given without an image, or the tracker
+        is damaged.
     ChildProcessError
         If one of several processes is killed, as where memory ends.
     """
@@ -80,6 +81,11 @@ def track_files(
     paths = [Path(path) for path in paths]
     output = Output(_writable_folder(folder), png, bin_s, force, resume)
     segments, failed = plan(paths)
+    if bin_s is not None and segments and all(files[0].segment for files in segments):
+        msg = (
+            "bin_s: expected an image among the files, whose range bin it is, found echograms alone"
+        )
+        raise ValueError(msg)
     for message in failed:
         say(f"error: {message}")
     n_failed = len(failed)

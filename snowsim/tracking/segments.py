@@ -286,26 +286,26 @@ def _linked(tracker, frames, say):
 def _runs(frames):
     """Frames of a segment that follow one another without a gap, list of lists.
 
-    A new run begins where a frame is missing. It also begins where a frame is too early or too late
-    or has another averaging; that frame then has a `gap`.
+    A new run begins where a frame is missing, is too early or too late, or has another averaging.
+    Its first frame then has a `gap`.
     """
     runs = []
     for frame in frames:
         last = runs[-1][-1] if runs else None
-        if last is None or frame.number != last.number + 1:
-            runs.append([frame])
-            continue
-        reason = _why_apart(last, frame)
-        if reason is None:
+        reason = None if last is None else _why_apart(last, frame)
+        if last is not None and reason is None:
             runs[-1].append(frame)
         else:
-            gap = f"not linked with frame {last.number}: {reason}"
+            gap = None if last is None else f"not linked with frame {last.number}: {reason}"
             runs.append([replace(frame, gap=gap)])
     return runs
 
 
 def _why_apart(last, frame):
     """Reason not to link a frame with the last one before it, or None."""
+    missing = frame.number - last.number - 1
+    if missing:
+        return f"{missing} {'frame is' if missing == 1 else 'frames are'} missing between them"
     before, after = last.evidence, frame.evidence
     pause_s = (after.slow_time[0] - before.slow_time[-1]) / np.timedelta64(1, "s")
     lines_s = PAUSE_LINES * max(_interval_s(before.slow_time), _interval_s(after.slow_time))

@@ -10,9 +10,9 @@ from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
+from snowsim.alignment import order_from_surface
 from snowsim.echogram import check_layers
 from snowsim.io import open_segment, read_layers
-from snowsim.io.layers import order_from_surface
 
 N_LINES = 30
 GPS_TIME = formats.GPS_START + 0.05 * np.arange(N_LINES)

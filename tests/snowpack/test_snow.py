@@ -547,11 +547,12 @@ def test_an_expected_accumulation_decides_where_layers_do_not(rng):
     layers = layers_of(below_s(water_of(year_m)[::2]))
     alone = accumulation(layers, DENSITY)
     assert_allclose(alone.attrs["typical_m"], 0.6, rtol=0.1)
-    with pytest.warns(
-        UserWarning, match="expected_m: 0.25 m w.e. a year were expected, by the lay"
-    ):
+    contradiction = "expected_m: 0.25 m w.e. a year were expected, with a relative error of 0.1; by"
+    with pytest.warns(UserWarning, match=contradiction):
         found = accumulation(layers, DENSITY, expected_m=0.25, expected_error=0.1)
-    with warnings.catch_warnings():  # within a factor of 2 nothing is said
+    with pytest.warns(UserWarning, match="expected_m: 0.4 m w.e. a year were expected, with a rel"):
+        accumulation(layers, DENSITY, expected_m=0.4, expected_error=0.03, year=2011)
+    with warnings.catch_warnings():  # within a factor of 2 of what is roughly known
         warnings.simplefilter("error")
         accumulation(layers, DENSITY, expected_m=0.4, year=2011)
     assert (found["n_years"].isel(slow_time=0) == 2).mean() > 0.8
@@ -560,6 +561,85 @@ def test_an_expected_accumulation_decides_where_layers_do_not(rng):
         accumulation(layers, DENSITY, expected_m=-1.0)
     with refusal("expected_error must be finite, above 0, got 0"):
         accumulation(layers, DENSITY, expected_m=0.3, expected_error=0)
+
+
+def parts_behind_a_gap(year_m):
+    """Layers of a track whose second half, behind a gap, has names of its own, as of `track`."""
+    times = below_s(water_of(year_m))
+    first, second = times.copy(), times.copy()
+    first[:, N_LINES // 2 :] = np.nan
+    second[:, : N_LINES // 2] = np.nan
+    return layers_of(np.vstack([first, second]))
+
+
+def test_numbers_that_begin_anew_behind_a_gap_leave_the_snow_as_it_is(rng):
+    year_m = 0.3 * np.exp(0.15 * rng.standard_normal((14, 1))) * np.linspace(1, 1.02, N_LINES)
+    layers = parts_behind_a_gap(year_m)
+    found = accumulation(layers, DENSITY)
+    assert_allclose(found.attrs["typical_m"], 0.3, rtol=0.15)
+    of_year = found["accumulation_m_we"]
+    assert (
+        ((found["low"] < 0.3 * 1.5) & (found["high"] > 0.3 / 1.5))
+        .where(of_year.notnull(), True)
+        .all()
+    )
+    # The order of layers in a dataset is no part of what they say.
+    shuffled = layers.isel(layer=[0, *(1 + rng.permutation(28))])
+    again = accumulation(shuffled, DENSITY)
+    for name in ("year", "accumulation_m_we", "year_confidence", "low", "high"):
+        assert_allclose(again[name], found[name])
+
+
+def test_layers_that_nobody_corrected_are_counted_without_a_confidence(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    without = layers.drop_vars("confidence")
+    assert accumulation(without, DENSITY).attrs["annual"] == 1  # type 1 is manual
+    automatic = without.assign(type=2 * without["type"])
+    with pytest.warns(UserWarning, match="all picks are automatic by their type, so years are cou"):
+        counted = accumulation(automatic, DENSITY)
+    assert counted.attrs["annual"] == accumulation(layers, DENSITY).attrs["annual"] == 0
+    automatic["twtt"].attrs["place"] = "interface"  # of simulated snow
+    assert accumulation(automatic, DENSITY).attrs["annual"] == 1
+    automatic["twtt"].attrs["place"] = "peak"
+    automatic["type"][3, 7] = 1
+    assert accumulation(automatic, DENSITY).attrs["annual"] == 1
+
+
+def test_invented_times_date_nothing_unless_a_year_is_named(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    invented = np.datetime64("2000-01-01", "ns") + np.arange(N_LINES) * np.timedelta64(1, "ms")
+    layers = layers.assign_coords(slow_time=invented)
+    with refusal("layers: slow_time: expected the time of the flight, .* found invented ones"):
+        accumulation(layers, DENSITY)
+    with refusal("give the year of snow_1"):
+        accumulation(layers, DENSITY, year={"snow_3": 2009})
+    found = accumulation(layers, DENSITY, year={"snow_1": 2011, "snow_3": 2009})
+    assert found.attrs["uppermost"] == "snow_1=2011"
+    assert accumulation(layers, DENSITY, year=2011)["year"][0] == 2011
+
+
+def test_half_of_the_lines_say_on_which_side_of_the_equator_a_flight_was(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    north = accumulation(layers, DENSITY).attrs["last_autumn"]
+    one_bad_fix = layers.copy(deep=True)
+    one_bad_fix["Latitude"][5] = -1
+    assert accumulation(one_bad_fix, DENSITY).attrs["last_autumn"] == north == 2011
+    south = layers.assign(Latitude=-layers["Latitude"])
+    assert accumulation(south, DENSITY).attrs["last_autumn"] == 2012
+    for unknown in (
+        layers.drop_vars("Latitude"),
+        layers.assign(Latitude=np.nan * layers["Latitude"]),
+    ):
+        with pytest.warns(UserWarning, match="no positions: snow years are taken to end in August"):
+            assert accumulation(unknown, DENSITY).attrs["last_autumn"] == north
+
+
+def test_what_is_no_dataset_or_no_probability_is_refused_in_one_line(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    with refusal("layers: expected a dataset, as snowsim.io.open_segment reads .*, got str"):
+        accumulation("20120330_04_layers.nc")
+    with refusal("layers: confidence must be finite, at least 0, at most 1, got 90"):
+        accumulation(layers.assign(confidence=100 * layers["confidence"]), DENSITY)
 
 
 def test_years_that_the_tracker_may_merge_are_not_dated(tmp_path, rng):
@@ -710,7 +790,7 @@ def test_layers_on_parts_of_the_track_have_the_mass_that_they_would_have_on_all_
         water_m[layer, (lines < first) | (lines >= first + 240)] = np.nan
     rows = np.vstack([np.zeros(N_LINES), water_m])
     picks = SimpleNamespace(
-        error_s=0 * rows, below_s=rows, doubt=0 * rows, flown=pd.Timestamp("2012-07-30")
+        error_s=0 * rows, below_s=rows, doubt=0 * rows, last_autumn=2011, elapsed=0.58
     )
     series = median_series(rows, picks, {})
     assert_allclose(series.above_m / series.above_m[0], 1 + 2 * np.arange(10), rtol=1e-9)

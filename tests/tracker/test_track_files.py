@@ -461,7 +461,7 @@ def test_segment_and_frame_are_read_from_what_xopr_writes(track, tmp_path, datas
         (2, 40, 0.0, 5, ""),  # 1.7 s from line to line, and 3 lines are missing
         (2, 1, 30.0, 1, "begins 30.2 s after that ends, more than 2 s"),
         (2, 1, -5.0, 1, "begins 4.83 s before that ends"),
-        (3, 1, 0.0, 1, ""),
+        (3, 1, 0.0, 1, "1 frame is missing between them"),
     ],
     ids=["follows", "slow lines", "pause", "overlap", "a frame is missing"],
 )
