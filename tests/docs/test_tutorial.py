@@ -150,6 +150,21 @@ def test_a_tutorial_works_word_for_word_in_an_empty_folder(tmp_path, page, monke
         shell = ["bash", "-euo", "pipefail", "-c", f"exec 2>&1\n{code}"]
         run_in(tmp_path, *(shell if language == "bash" else [sys.executable, "-c", code]))
     assert len(list(tmp_path.rglob("*.png"))) > 1
+    if page != "layers":
+        return
+    tracked, corrected = (
+        pd.read_csv(tmp_path / f"{name}_years.csv").set_index("year")
+        for name in ("accumulation", "corrected")
+    )
+    said = " ".join((ROOT / "docs/start/layers.md").read_text().split())
+    sure = [
+        f"{table['year_confidence'][year]:.2f}"[1:]
+        for table in (tracked, corrected)
+        for year in (2002, 2001)
+    ]
+    assert "Dates are {} sure down to there, and {} or less below".format(*sure) in said
+    assert "Now dates are {} sure down to 2002, and {} below".format(*sure[2:]) in said
+    assert f"{corrected['accumulation_m_we'][2002]:.2f} m, is truly a thick one"[1:] in said
 
 
 def test_code_on_the_other_pages_runs(tmp_path):
