@@ -92,7 +92,8 @@ def test_both_spacings_are_those_beside_the_pairs(tmp_path):
         train(tmp_path / "other.onnx", pairs, bin_s=None, line_spacing_m=8.0)
     with pytest.warns(UserWarning, match="^scenes do not state the spacing of") as warned:
         train(tmp_path / "third.onnx", toy_scenes(3), bin_s=None, line_spacing_m=None)
-    assert [str(each.message) for each in warned] == [
+    said = [str(each.message) for each in warned]
+    assert [each for each in said if not each.startswith("bfloat16")] == [  # without AVX-512
         "scenes do not state the spacing of their range bins: 2.886e-10 s assumed",
         "scenes do not state the spacing of their range lines: 5.2 m assumed",
     ]
