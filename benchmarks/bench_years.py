@@ -36,7 +36,9 @@ NEAR_S = 4 * 2.886e-10  # of a pick that is the horizon, and within which the tr
 SCORING_SEEDS = range(200, 230)
 FOLDER = Path(__file__).resolve().parent
 CASE = ["kind", "radar", "mass_m", "crusts", "missing", "expected"]
+SCORED_KINDS = ("tracker", "core")  # of the table by class and of the bounds
 SURE = 0.8  # without a flag
+GAP = slice(110, 146)  # range lines without layers, behind which their numbers begin anew
 CLASSES = (0.5, 0.6, 0.7, 0.8, 0.9)  # of the confidence stated
 # Bounds that cases are counted against: of stated less right, of accumulation over the truth less
 # 1, and of the share of years within `low` and `high`.
@@ -134,29 +136,44 @@ def scored(found, own, true, age, water_m):
     return years
 
 
-def dated_firn(path, expected=None, true_layers=False):
-    """Rows of `scored` of a file of the cache."""
+def with_gap(layers):
+    """Layers of a track without the lines of `GAP`, and with other names behind it."""
+    before = layers.isel(slow_time=slice(GAP.start))
+    behind = layers.isel(slow_time=slice(GAP.stop, None))
+    names = [f"snow_{100 + number}" for number in range(1, layers.sizes["layer"])]
+    behind = behind.assign_coords(layer=["surface", *names])
+    without_pick = {"quality": 1, "type": 2}
+    return xr.concat([before, behind], "slow_time", join="outer", fill_value=without_pick)
+
+
+def dated_firn(path, expected=None, kind="tracker"):
+    """Rows of `scored` of a file of the cache.
+
+    `kind` is "tracker", its picks; "gap", these with a gap along track; or "true", true horizons.
+    """
     layers, truth = pickle.loads(Path(path).read_bytes())
     radar, mass, crusts, seed = Path(path).stem.rsplit("_", 3)
-    if true_layers:
+    timed_layers = timed(layers, truth)
+    if kind == "true":
         sure = xr.full_like(truth["twtt"], 0.9)
         names = ["surface", *(f"snow_{n}" for n in range(1, truth.sizes["layer"]))]
         layers = truth[["peak_twtt", "quality", "type", "Latitude"]].assign(confidence=sure)
         layers = layers.rename(peak_twtt="twtt").assign_coords(layer=names)
+        timed_layers = timed(layers, truth)
     else:
-        layers = layers.assign_attrs(apart_s=NEAR_S)
+        layers = (with_gap(layers) if kind == "gap" else layers).assign_attrs(apart_s=NEAR_S)
     options = {}
     if expected is not None:
         rng = random_stream(int(seed), "bench_years", "expected")
         options = {"expected_m": float(mass) * np.exp(expected * rng.standard_normal())}
         options["expected_error"] = expected
-    case = {"kind": "true" if true_layers else "tracker", "radar": radar, "seed": int(seed)}
+    case = {"kind": kind, "radar": radar, "seed": int(seed)}
     case |= {"mass_m": float(mass), "crusts": int(crusts), "expected": expected}
     try:
         found = accumulation(layers, 340.0, temperature_k=243.0, **options)
     except ValueError as error:
         return pd.DataFrame([case | {"refused": str(error)[:60]}])
-    rows = scored(found, *timed(layers, truth))
+    rows = scored(found, *timed_layers)
     if rows.empty:
         return pd.DataFrame([case | {"refused": "nothing is dated"}])
     return rows.assign(**case)
@@ -205,7 +222,9 @@ def score(folder, data, path):
     true = [file for file in new if "2012_0.3_" in file.name or "2012_0.6_" in file.name]
     tables = [dated_firn(file) for file in new]
     tables += [dated_firn(file, expected=0.1) for file in clean]
-    tables += [dated_firn(file, true_layers=True) for file in true]
+    tables += [dated_firn(file, kind="true") for file in true]
+    uncrusted = [file for file in true if file.stem.rsplit("_", 2)[1] == "0"]
+    tables += [dated_firn(file, kind="gap") for file in uncrusted]
     held_back = [*enumerate(cores(data))][1::2]
     for seed in (100, 101, 102):
         for number, core in held_back:
@@ -293,8 +312,10 @@ def tabulate(path):
     rows = rows[rows["refused"].isna()].astype({"right": float, "inside": float, "picked": bool})
     cases = by_case(rows)
     cases.to_csv(FOLDER / "years_by_case.csv", index=False, float_format="%.3f")
-    # Neither with an expectation, nor true horizons, nor what is too thin to be dated.
-    chosen = rows[rows["expected"].isna() & (rows["kind"] != "true") & ~(rows["mass_m"] < 0.1)]
+    # Neither with an expectation, nor true horizons, nor a gap, nor what is too thin to be dated.
+    chosen = rows[
+        rows["expected"].isna() & rows["kind"].isin(SCORED_KINDS) & ~(rows["mass_m"] < 0.1)
+    ]
     chosen = chosen[chosen["picked"]]
     classes = by_class(chosen)
     weights = 1 / chosen.groupby(CASE, dropna=False)["right"].transform("size")
@@ -304,7 +325,9 @@ def tabulate(path):
     scores = {"brier": brier, "brier_of_a_constant": constant * (1 - constant)}
     classes = classes.assign(**scores)
     classes.to_csv(FOLDER / "years_by_class.csv", index=False, float_format="%.3f")
-    shown = cases[cases["expected"].isna() & (cases["kind"] != "true") & ~(cases["mass_m"] < 0.1)]
+    shown = cases[
+        cases["expected"].isna() & cases["kind"].isin(SCORED_KINDS) & ~(cases["mass_m"] < 0.1)
+    ]
     print(*misses(shown), sep="\n")  # noqa: T201
     figure, ax = plt.subplots(figsize=(4.5, 4.2), layout="constrained")
     ax.plot([0, 1], [0, 1], color="0.6", linewidth=1)

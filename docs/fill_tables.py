@@ -77,6 +77,7 @@ DATED_CASES = {
     ".6 m": OF_THE_TRACKER + "mass_m == .6 and crusts == 0",
     ".3 m, 3 crusts": OF_THE_TRACKER + "mass_m == .3 and crusts == 3",
     ".3 m, 5 crusts": OF_THE_TRACKER + "mass_m == .3 and crusts == 5",
+    ".3 m, a gap along track": "kind == 'gap' and mass_m == .3",
     "cores, every horizon picked": "kind == 'core' and missing == 0",
     "cores, a fifth missing": "kind == 'core' and missing == .2",
     "cores, two fifths missing": "kind == 'core' and missing == .4",
