@@ -37,10 +37,15 @@ SCORED_ONCE = {
     "accumulation": (*TRACKED, "snowsim/snowpack"),
 }
 # What has changed in that code since, if anything, by table.
+CHECKS = (
+    "limits of settings and a warning of mixed line spacings are new since, and change no number"
+)
 SINCE = {
-    "transfer": "memory of the network is reserved in another way since, which changes no pick",
-    "accumulation": "dating has changed since: thin years lack horizons, and the echo of the "
-    "surface hides horizons by their depth",
+    "headline": CHECKS,
+    "flights": CHECKS,
+    "deep_layers": CHECKS,
+    "transfer": "memory of the network is reserved in another way since, and a setting has limits, "
+    "which changes no pick",
 }
 
 

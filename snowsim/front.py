@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import warnings
 from collections.abc import Callable, Sequence
@@ -139,6 +140,14 @@ class Scenes(Sequence):
                 yield scene
 
         written = export_pairs(folder, render_and_count())
+        others = len(list(Path(folder).glob("data_*.png"))) - written["n_scenes"]
+        if others:
+            warnings.warn(
+                f"{folder}: {others} scenes were there before and stay: what is trained on the "
+                "folder has them, too; all.lst names those that are written now",
+                UserWarning,
+                stacklevel=2,
+            )
         n_cut, n_drawn = np.sum(counts, axis=0)
         if n_cut:
             n_scenes = sum(n > 0 for n, _ in counts)
@@ -155,7 +164,8 @@ def rendered_by(scene, renderer):
 
     ValueError if the image has another type or shape, or floats that cannot be linear power.
     """
-    image = np.asarray(renderer(scene))
+    # A copy: a renderer may use the arrays of its scene as its own, but the mask stays as drawn.
+    image = np.asarray(renderer(copy.deepcopy(scene)))
     shape = (scene.n_range_bins, scene.n_range_lines)
     if image.shape != shape:
         msg = f"renderer: expected an image {shape} of scene {scene.name}, got {image.shape}"

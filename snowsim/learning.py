@@ -66,9 +66,11 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     Returns
     -------
     dict
-        The card. Its `held_out` holds `n_scenes`, the number of held-out scenes. With ten scenes
-        or more, it also holds the `ods` of the fused output, and `low` and `high`, the ends of its
-        95 % interval by bootstrap over scenes.
+        The card. It has no ranges, so that no pick of this tracker is rated good: how sure its
+        picks are was not measured, also where it starts from another tracker. Its `held_out` holds
+        `n_scenes`, the number of held-out scenes. With ten scenes or more, it also holds the `ods`
+        of the fused output, and `low` and `high`, the ends of its 95 % interval by bootstrap over
+        scenes.
 
     Raises
     ------
@@ -83,10 +85,9 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     line_spacing_m = _spacing(scenes, "line_spacing_m", line_spacing_m, LINE_SPACING_M)
     for name, value in (("bin_s", bin_s), ("line_spacing_m", line_spacing_m)):
         check_values(name, value, *NUMBERS[name])
-    known = {}
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
-        start_network, known = network_of_tracker(start)
+        start_network, _ = network_of_tracker(start)
         shape = {name: getattr(start_network, name) for name in shape}
         shape["network"] = start_network.kind
     training = Training(Settings(**shape, n_steps=n_steps), seed=seed, device=device)
@@ -110,8 +111,6 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
         ),
         bin_s=bin_s,
         line_spacing_m=line_spacing_m,
-        ranges=known.get("ranges"),
-        confidence=known.get("confidence"),
         limits=f"calibrated on {len(held_out)} scenes of the same set",
     )
     card["held_out"] = held_out_score([calibration.probability(each) for each in logits], held_out)

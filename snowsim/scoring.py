@@ -227,6 +227,12 @@ def _notes_of_maps(counts, pairs, ods):
         most = max(image["thickness"] for image in counts)
         words = f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick"
         notes.append(_note(words, thick, len(names)))
+    outside = [name for name, image in zip(names, counts, strict=True) if image["is_cut"]]
+    if outside:
+        words = (
+            "layers of truths leave the rows of their maps, and edge scores do not count them there"
+        )
+        notes.append(_note(words, outside, len(names)))
     is_8_bit = [path.suffix == ".png" for _, path, _ in pairs if path is not None]
     if 0 < sum(is_8_bit) < len(is_8_bit):
         notes.append(
@@ -319,8 +325,9 @@ def _edge_values(pair, *, edges):
 
 
 def _count_edges(pair, *, edges, thresholds, max_dist):
-    """Counts of `match_counts` for one image, with `thickness`, `levels` and `n_pixels` for notes.
+    """Counts of `match_counts` for one image, with values for notes.
 
+    These are `thickness`, `levels`, `n_pixels` and `is_cut`, whether a layer leaves the map.
     `levels` are the lowest distinct values of the map above 0, at most `LEAST_LEVELS`.
     """
     _, prediction, truth = pair
@@ -330,7 +337,13 @@ def _count_edges(pair, *, edges, thresholds, max_dist):
     thin = edges(image.probability, prediction)
     counts = match_counts(thin, image.mask, thresholds, max_dist=max_dist)
     levels = np.unique(image.probability[image.probability > 0])[:LEAST_LEVELS]
-    of_image = {"thickness": image.thickness, "levels": levels, "n_pixels": image.mask.size}
+    rows = np.rint(image.layer_bins[np.isfinite(image.layer_bins)])
+    of_image = {
+        "thickness": image.thickness,
+        "levels": levels,
+        "n_pixels": image.mask.size,
+        "is_cut": bool(((rows < 0) | (rows >= len(image.mask))).any()),
+    }
     return counts | of_image
 
 

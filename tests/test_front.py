@@ -1,5 +1,6 @@
 """What people script with: a radar simulated, and scenes without a run."""
 
+import dataclasses
 import json
 import pickle
 
@@ -17,6 +18,7 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
 from snowsim.io import PairSet, read_dataset
 from snowsim.io.describe import describe
+from snowsim.io.pairs import export_pairs, read_spacing
 from snowsim.seeding import random_stream
 from snowsim.snowpack import PRESETS
 
@@ -71,6 +73,8 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
         some.write(tmp_path / "pairs")
     assert some.write(tmp_path / "pairs", force=True)["n_scenes"] == 2
     assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[0][0])
+    with pytest.warns(UserWarning, match="pairs: 1 scenes were there before and stay"):
+        drawn[2:3].write(tmp_path / "pairs", force=True)
 
 
 @pytest.mark.parametrize(
@@ -229,6 +233,21 @@ def test_scenes_as_printed_need_statistics_of_the_paper_s_estimator():
     assert_array_equal(printed.scene(0).layer_bins[0], 50)
 
 
+def test_a_renderer_that_changes_its_scene_leaves_the_mask_as_drawn():
+    def blank(scene):
+        return np.zeros((scene.n_range_bins, scene.n_range_lines), np.uint8)
+
+    def moving(scene):
+        scene.layer_bins[:] -= 10
+        return blank(scene)
+
+    masks = [
+        snowsim.scenes(1, rng=1, n_range_lines=64, renderer=renderer)[0][1]
+        for renderer in (blank, moving)
+    ]
+    assert_array_equal(*masks)
+
+
 def test_any_function_of_a_scene_renders():
     def rendered(scene):
         noise = random_stream(3, scene.name).exponential(size=(scene.n_range_bins, 64))
@@ -317,6 +336,24 @@ def test_pairs_have_the_spacing_of_their_flight_beside_them(tmp_path):
     for scene in PairSet(tmp_path / "mine/all.lst"):
         assert scene.notes == spacing
     assert "range bins of 1.2e-10 s" in describe(tmp_path / "mine")[0]["sizes"]
+
+
+def test_pairs_of_two_spacings_never_share_a_folder(tmp_path):
+    fine = read_dataset(REFERENCE).assign_attrs(bin_size_s=1.2e-10)
+    snowsim.scenes(1, rng=1, n_range_lines=32).write(tmp_path / "usual")
+    of_fine = snowsim.scenes(1, rng=1, statistics=fine, n_range_lines=32)
+    with refusal(
+        "spacing.json: bin_size_s: expected .* scenes, 1.2e-10, found 2.886e-10 of others"
+    ):
+        of_fine.write(tmp_path / "usual", force=True)
+    assert_allclose(read_spacing(tmp_path / "usual")["bin_size_s"], 2.886e-10)
+    usual, other = PairSet(tmp_path / "usual")[0], of_fine.scene(0)
+    other = dataclasses.replace(other, name="other")
+    with refusal("other: bin_size_s: expected 2.886e-10 as of the scenes before; .* found 1.2e-10"):
+        export_pairs(tmp_path / "both", [usual, other])
+    unknown = dataclasses.replace(usual, name="unknown", notes={})
+    with refusal("spacing.json: bin_size_s: expected the range bin of the scenes, unknown, found"):
+        export_pairs(tmp_path / "usual", [unknown])
 
 
 def test_numbers_of_lines_may_be_small_integers_of_numpy():

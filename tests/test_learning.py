@@ -37,7 +37,8 @@ def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     network, card = network_of_tracker("universal")
     shipped = network.state_dict()
     network, own = network_of_tracker(path)
-    assert (own["ranges"], own["confidence"]) == (card["ranges"], card["confidence"])
+    # How sure its picks are was not measured: none is rated good.
+    assert checked_card(own, "mine").outside({})
     found = network.state_dict()
     for name, values in shipped.items():
         if name == "fuse.bias":  # takes in the offset of the calibration

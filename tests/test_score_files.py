@@ -260,6 +260,15 @@ def test_truth_drawn_three_pixels_thick_scores_as_one_and_is_said_to_be_thinned(
     )
 
 
+def test_layers_of_the_truth_outside_the_map_are_noted(tmp_path):
+    inside, notes = of_files(tmp_path, edge_map(1), LAYERS)
+    assert notes == []
+    below = np.vstack([LAYERS, LAYERS[-1:] + 100])
+    cut, (note,) = of_files(tmp_path, edge_map(1), below)
+    assert cut == inside
+    assert note.startswith("layers of truths leave the rows of their maps, and edge scores do not")
+
+
 def test_a_map_a_thousand_times_fainter_scores_as_the_map_without_a_word(tmp_path):
     noise = np.random.default_rng(1).uniform(0, 0.3, MASK.shape)
     whole = np.maximum(edge_map(1), noise)

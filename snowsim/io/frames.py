@@ -1,7 +1,9 @@
 """A flight as a table of frames: each row names an echogram, its layers and its role."""
 
+import hashlib
 import io
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -103,16 +105,23 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     - `n_scenes`, `n_skipped` (blocks that are no scenes) and `n_flagged_blocks` (skipped blocks
       with a flagged line);
     - `n_flagged_lines`, and `flags` (text: number of range lines by flag).
+
+    A held-out frame ("test", "validation") whose power is that of another row, as of a copy, fails.
+    Without `layer_names`, a warning is given where frames have layers of other names at one place.
     """
     table = table[table["role"] != TRACK]
     rows = []
     failed = []
     layer_names = options.get("layer_names") or ()
     missing = set(layer_names)
+    powers = {}
+    names_of = {}
     for row in with_progress(table.itertuples(), len(table), unit="frame"):
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
             rows.append(_summary(row, echogram, layers, blocks=blocks))
+            _refuse_copy(row, echogram, powers)
+            names_of[row.frame] = layers.get_index("layer")
             missing -= set(layers["layer"].values[layers["twtt"].notnull().any("slow_time")])
         except ValueError as error:
             failed.append(f"{row.frame}: {error}")
@@ -125,7 +134,39 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
         reason = "layer_names: expected layers that some frame has, found it in none"
         failed = [f"{name}: {reason}" for name in layer_names if name in missing]
     report(failed, f"frames: {len(failed)} of {len(table)} frames fail")
+    if not layer_names:
+        _warn_of_names(names_of)
     return table.merge(found, on="frame", validate="one_to_one")
+
+
+def _refuse_copy(row, echogram, powers):
+    """Refuse a row whose power is that of another file, if one of both is held out.
+
+    `powers` has the rows before by the digest of their power, and is added to.
+    """
+    power = np.ascontiguousarray(echogram["Data"].values)
+    first = powers.setdefault(hashlib.sha256(power).hexdigest(), row)
+    is_held_out = {row.role, first.role} & set(HELD_OUT)
+    if is_held_out and os.path.realpath(first.echogram) != os.path.realpath(row.echogram):
+        expected = (
+            f"power unlike that of all others, as its role or that of {first.frame} is held out"
+        )
+        raise refusal(row.echogram, "Data", expected, f"a copy of {first.echogram}")
+
+
+def _warn_of_names(names_of):
+    """Warn if layers at one place have other names in other frames, named (frame, layer)."""
+    firsts = {}
+    for frame, names in names_of.items():
+        for place, name in enumerate(names if names.dtype.kind in "OUS" else ()):
+            first = firsts.setdefault(place, (name, frame))
+            if first[0] != name:
+                text = (
+                    f"layer {place} is {first[0]} in {first[1]} and {name} in {frame}: statistics "
+                    "take both for one layer, unless layer_names (import.layer_names) lists names"
+                )
+                warnings.warn(text, stacklevel=3)
+                return
 
 
 def _summary(row, echogram, layers, *, blocks):

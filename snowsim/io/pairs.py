@@ -339,6 +339,7 @@ def _drawn_labels(path):
 
 
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
+SAME_SPACING = 1e-6  # relative difference of two spacings that are one
 # Names of scenes, which become names of files. The published loader replaces "data_" anywhere in a
 # name, and "layer_" before a name that begins with "binary_" would look like a mask.
 PLAIN_NAME = "a plain file name without data_ and binary_"
@@ -368,14 +369,14 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     scenes that have them.
 
     Returns `n_scenes` and `n_merged_pixels`, the number of label pixels that a lower layer covers.
-    Refused are names that the published loader would misread, scenes without an image, and more
-    than 255 layers.
+    Refused are names that the published loader would misread, scenes without an image, scenes of
+    two range bins, also in the ``spacing.json`` of the folder, and more than 255 layers.
     """
     folder = Path(folder)
     check_choice("layers", layers, ("annotated", "complete"))
     names = []
     n_merged = 0
-    spacings = {name: [] for name in SPACING}
+    known = None
     with written_together():
         for scene in scenes:
             if not SCENE_NAME.fullmatch(scene.name) or scene.name in names:
@@ -396,13 +397,55 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
             write_image(folder / f"layer_{scene.name}.png", numbers)
             names.append(scene.name)
             n_merged += merged
-            for name, values in spacings.items():
-                values.append(scene.notes.get(name))
+            known = _same_spacing(scene, known, folder)
         write_bytes(folder / list_name, "".join(f"data_{name}.png\n" for name in names).encode())
-        alike = {name: values[0] for name, values in spacings.items() if len(set(values)) == 1}
-        if known := {name: value for name, value in alike.items() if value is not None}:
-            write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
+        _write_spacing(folder, known or {})
     return {"n_scenes": len(names), "n_merged_pixels": n_merged}
+
+
+def _same_spacing(scene, known, folder):
+    """Spacings that all scenes so far have, by name; `known` of those before, None for the first.
+
+    Lines of frames lie differently far apart, so their spacing is then unknown. ValueError if a
+    scene has another range bin.
+    """
+    own = {name: scene.notes.get(name) for name in SPACING}
+    known = own if known is None else known
+    alike = _alike(own, known)
+    if None not in (own["bin_size_s"], known["bin_size_s"]) and alike["bin_size_s"] is None:
+        expected = (
+            f"{known['bin_size_s']:g} as of the scenes before; write others to their own folder"
+        )
+        raise refusal(folder, f"{scene.name}: bin_size_s", expected, f"{own['bin_size_s']:g}")
+    return alike
+
+
+def _alike(first, second):
+    """Spacings by name of `SPACING` that are the same in both; None for those that are not."""
+    pairs = {name: (first.get(name), second.get(name)) for name in SPACING}
+    return {
+        name: a if None not in (a, b) and abs(a / b - 1) <= SAME_SPACING else None
+        for name, (a, b) in pairs.items()
+    }
+
+
+def _write_spacing(folder, known):
+    """Write the spacings that scenes have, beside their image pairs.
+
+    A folder may hold other sets: the file keeps what is true of them, too. ValueError if these have
+    another range bin, or if that of the scenes is unknown.
+    """
+    held = read_spacing(folder)
+    if held:
+        alike = _alike(held, known)
+        if "bin_size_s" in held and alike["bin_size_s"] is None:
+            expected = f"the range bin of the scenes, {known.get('bin_size_s') or 'unknown'}"
+            remedy = f"{held['bin_size_s']:g} of others (give an empty folder)"
+            raise refusal(folder / SPACING_FILE, "bin_size_s", expected, remedy)
+        known = alike
+    known = {name: value for name, value in known.items() if value is not None}
+    if known:
+        write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
 
 
 def layer_numbers(layer_bins, n_range_bins):

@@ -4,6 +4,8 @@ The summary of a frame is a dataset of about 0.4 kB per range line. Those of a f
 any order.
 """
 
+import warnings
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -27,6 +29,7 @@ AIR_MARGIN_BINS = 30
 AIR_LAGS = 13
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
+SAME_LINE_SPACING = 1.1  # ratio of spacings from which on a warning is given
 OVERLOADED = 6.0  # a line is overloaded if its gain is this many robust deviations off
 CONTENT = "snowsim flight summary 6"
 
@@ -224,6 +227,14 @@ def merge(summaries):
             f"{bin_s[others[0]]:g} s"
         )
         raise ValueError(msg)
+    spacing_m = merged["line_spacing_m"].values
+    least_m, most_m = np.nanmin(spacing_m), np.nanmax(spacing_m)
+    if most_m > SAME_LINE_SPACING * least_m:
+        warnings.warn(
+            f"lines of frames lie {least_m:.3g} to {most_m:.3g} m apart: statistics along track, "
+            "such as the relief of layers, mix these spacings",
+            stacklevel=2,
+        )
     return merged
 
 

@@ -1,9 +1,12 @@
 """The table of frames: what is checked before a file is opened, and after; one frame at a time."""
 
 import re
+import shutil
+import warnings
 
 import formats
 import numpy as np
+import pandas as pd
 import pytest
 from formats import failures
 from numpy.testing import assert_allclose
@@ -11,6 +14,7 @@ from refusals import refusal
 
 from snowsim.alignment import bin_size_s, layer_bins_of
 from snowsim.io import check_frames, read_frame, read_frames
+from snowsim.io.layers import write_layers
 
 LAYERS = formats.LAYERS_FILE
 
@@ -20,7 +24,7 @@ def flight(tmp_path, content):
     """Three frames of three formats with layers beside them, and their table."""
     formats.write_nsidc(tmp_path / "a.nc", content)
     formats.write_mat5(tmp_path / "b.mat", content)
-    formats.write_mat73(tmp_path / "c.mat", content)
+    formats.write_mat73(tmp_path / "c.mat", content | {"Data": 1.001 * content["Data"]})
     roles = {"one": ("a.nc", "statistics"), "two": ("b.mat", "train"), "three": ("c.mat", "test")}
     formats.write_flight(tmp_path, content, roles)
     return tmp_path
@@ -104,6 +108,29 @@ def test_named_layers_have_the_same_row_in_every_frame(rows):
     assert_allclose(bins[2] - bins[0], 40, atol=1e-6)
     with refusal("in the order of layer_names: twtt: layers must increase strictly with depth"):
         read_frame(rows[0], layer_names=names[::-1])
+
+
+def test_a_held_out_frame_that_is_a_copy_of_another_is_refused(flight):
+    shutil.copy(flight / "a.nc", flight / "copy.nc")
+    table = read_frames(flight / "frames.tsv")
+    copied = table.iloc[[0]].assign(frame="four", echogram=str(flight / "copy.nc"), role="test")
+    of_statistics = pd.concat([table.iloc[[0]], copied])
+    (line,) = failures(lambda: check_frames(of_statistics), 1, 2)
+    assert re.match("four: .*copy.nc: Data: expected power unlike .* found a copy of .*a.nc", line)
+    assert len(check_frames(of_statistics.assign(role="statistics"))) == 2
+
+
+def test_layers_of_other_names_at_one_place_are_warned_of(flight, rows):
+    echogram, layers = read_frame(rows[0])
+    renamed = layers.assign_coords(layer=["surface", "Koenig_1"])[["twtt", "quality", "type"]]
+    write_layers(flight / "renamed.nc", renamed)
+    table = read_frames(flight / "frames.tsv").iloc[:2].copy()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_frames(table)
+    table.loc[table.index[1], "layers"] = str(flight / "renamed.nc")
+    with pytest.warns(UserWarning, match="layer 1 is .* in one and Koenig_1 in two: statistics"):
+        check_frames(table)
 
 
 def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):

@@ -24,11 +24,11 @@ from lib.configuration import RECIPES, filled
 
 def at_the_limits(limits, is_whole):
     """Values that limits of a number just accept, and ones that they just refuse."""
-    step = 1 if is_whole else 1e-9
     inside = []
     outside = []
-    for key, outwards in (("low", -step), ("high", step)):
+    for key, sign in (("low", -1), ("high", 1)):
         if key in limits:
+            outwards = sign * (1 if is_whole else 1e-9 * max(1, abs(limits[key])))
             is_excluded = key == "low" and limits.get("above", False)
             inside.append(limits[key] - outwards * is_excluded)
             outside.append(limits[key] + outwards * (not is_excluded))

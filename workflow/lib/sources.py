@@ -131,6 +131,15 @@ def own_tracker(name):
     return [name, str(Path(name).with_suffix(".json"))] if name.endswith(".onnx") else []
 
 
+def check_tracker(name):
+    """ValueError unless `import.tracker` is a file NAME.onnx or a tracker of the package."""
+    shipped = [path.stem for path in (Path(__file__).parents[2] / "snowsim/data").glob("*.onnx")]
+    if not own_tracker(name) and name not in shipped:
+        known = ", ".join(sorted(shipped))
+        msg = f"config: import.tracker: expected {known}, or a file NAME.onnx, got {name}"
+        raise ValueError(msg)
+
+
 def shipped_tracker(name):
     """Files of a tracker that comes with the package, by their paths in the checkout; or none."""
     return [] if own_tracker(name) else [f"snowsim/data/{name}{end}" for end in (".onnx", ".json")]

@@ -137,6 +137,8 @@ class RadarSettings(Checked):
     n_looks: int = setting(5, "[looks] of a range line: 20 range lines have 100", low=1)
     bandwidth_hz: float = limited(
         PROCESSED_BANDWIDTH_HZ,
+        1e8,
+        2e10,
         about="[Hz] processed, 2.30016 to 7.449984 GHz, 2012 sheet; nominal sweep, paper: 6.0e+9",
     )
     response_widening: float = limited(

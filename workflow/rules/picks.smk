@@ -1,6 +1,10 @@
 # Layers of own echograms without annotation: every frame of the table of frames with the role track, for any `source`.
 
 
+if workflow.is_main_process:
+    or_refused(sources.check_tracker, OWN["tracker"])
+
+
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_of_job(w.shard)],
