@@ -233,7 +233,8 @@ def _every_one_a_year(layers):
     """Whether layers are a person's, or the interfaces of simulated snow, and not a tracker's."""
     if "confidence" in layers:
         return False
-    by_hand = ((layers["type"] != AUTOMATIC) & layers["twtt"].notnull()).any()
+    below = layers.isel(layer=slice(1, None))  # a person may have picked the surface alone
+    by_hand = ((below["type"] != AUTOMATIC) & below["twtt"].notnull()).any()
     if by_hand or layers["twtt"].attrs.get("place") == "interface":
         return True
     warnings.warn(

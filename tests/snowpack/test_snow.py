@@ -595,6 +595,7 @@ def test_layers_that_nobody_corrected_are_counted_without_a_confidence(year_m):
     without = layers.drop_vars("confidence")
     assert accumulation(without, DENSITY).attrs["annual"] == 1  # type 1 is manual
     automatic = without.assign(type=2 * without["type"])
+    automatic["type"][0] = 1  # of the surface
     with pytest.warns(UserWarning, match="all picks are automatic by their type, so years are cou"):
         counted = accumulation(automatic, DENSITY)
     assert counted.attrs["annual"] == accumulation(layers, DENSITY).attrs["annual"] == 0
