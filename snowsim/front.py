@@ -143,8 +143,8 @@ class Scenes(Sequence):
         others = len(list(Path(folder).glob("data_*.png"))) - written["n_scenes"]
         if others:
             warnings.warn(
-                f"{folder}: {others} scenes were there before and stay: what is trained on the "
-                "folder has them, too; all.lst names those that are written now",
+                f"{folder}: scenes that were there before stay ({others}), and what is trained on "
+                "the folder has them, too; all.lst names those that are written now",
                 UserWarning,
                 stacklevel=2,
             )

@@ -73,7 +73,7 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
         some.write(tmp_path / "pairs")
     assert some.write(tmp_path / "pairs", force=True)["n_scenes"] == 2
     assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[0][0])
-    with pytest.warns(UserWarning, match="pairs: 1 scenes were there before and stay"):
+    with pytest.warns(UserWarning, match=r"pairs: scenes that were there before stay \(1\)"):
         drawn[2:3].write(tmp_path / "pairs", force=True)
 
 

@@ -411,7 +411,7 @@ def _same_spacing(scene, known, folder):
     """
     own = {name: scene.notes.get(name) for name in SPACING}
     known = own if known is None else known
-    alike = _alike(own, known)
+    alike = _alike(known, own)
     if None not in (own["bin_size_s"], known["bin_size_s"]) and alike["bin_size_s"] is None:
         expected = (
             f"{known['bin_size_s']:g} as of the scenes before; write others to their own folder"
@@ -444,7 +444,7 @@ def _write_spacing(folder, known):
             raise refusal(folder / SPACING_FILE, "bin_size_s", expected, remedy)
         known = alike
     known = {name: value for name, value in known.items() if value is not None}
-    if known:
+    if known or held:
         write_bytes(folder / SPACING_FILE, f"{json.dumps(known)}\n".encode())
 
 
