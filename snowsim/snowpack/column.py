@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
@@ -38,7 +39,7 @@ def temperature_k_of(layers):
     ground_m = height_m - SPEED_OF_LIGHT_M_S / 2 * layers["twtt"].isel(layer=0)
     temperature_k = float(temperature_fausto09(ground_m, latitude, longitude).median())
     inside = [
-        low < np.nanmedian(degrees) < high
+        low < pd.Series(np.ravel(degrees)).median() < high  # NaN, without a warning, of none
         for degrees, (low, high) in zip((latitude, longitude), GREENLAND_LIMITS_DEG, strict=True)
     ]
     if not (all(inside) and np.isfinite(temperature_k)):

@@ -399,6 +399,8 @@ def test_what_cannot_be_compared_is_refused_or_left_out():
         compared(here, far)
     with refusal("none among 0 segments"):
         agreement([])
+    with refusal("none among 1 segments"):
+        agreement(here, DENSITY)  # its track might meet itself
     with refusal("segment 1: expected range lines at most within_m, 50 m, apart.*found 64 m"):
         compared(here, there.isel(slow_time=slice(None, None, 8)))
     with refusal("segment there: Latitude and Longitude: expected those of range lines, found no"):

@@ -635,6 +635,28 @@ def test_half_of_the_lines_say_on_which_side_of_the_equator_a_flight_was(year_m)
             assert accumulation(unknown, DENSITY).attrs["last_autumn"] == north
 
 
+def test_an_error_of_what_is_not_expected_is_refused(tmp_path, files, capsys):
+    with pytest.raises(SystemExit):
+        main(["accumulation", *files, "-o", str(tmp_path / "a.csv"), "--expected-error", "0.2"])
+    assert "--expected-error is of --expected, which is missing" in capsys.readouterr().err
+
+
+def test_positions_at_0_0_on_all_lines_are_missing(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    nowhere = layers.assign(Latitude=0 * layers["Latitude"], Longitude=0 * layers["Longitude"])
+    with refusal("density: unknown outside Greenland, or without positions"):
+        accumulation(nowhere, year=2011)
+    with refusal("a map needs Latitude and Longitude"):
+        pieces(table(accumulation(nowhere, DENSITY, year=2011)))
+
+
+def test_layers_that_no_organizer_names_are_said_to_lack_it(year_m):
+    layers = layers_of(below_s(water_of(year_m)))
+    unnamed = layers.assign_coords(layer=[f"id {n}" for n in range(layers.sizes["layer"])])
+    with refusal("no organizer file layer_SEGMENT.mat beside them names layers"):
+        accumulation(unnamed, DENSITY)
+
+
 def test_what_is_no_dataset_or_no_probability_is_refused_in_one_line(year_m):
     layers = layers_of(below_s(water_of(year_m)))
     with refusal("layers: expected a dataset, as snowsim.io.open_segment reads .*, got str"):

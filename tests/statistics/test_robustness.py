@@ -1,5 +1,7 @@
 """Gaps, short flights, odd input: degraded by a stated rule or refused in one line, never a NaN."""
 
+import warnings
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -45,6 +47,16 @@ def test_order_and_partition_of_frames_do_not_matter(flight, whole, estimator):
     for name in whole.variables:
         assert_allclose(other[name], whole[name], rtol=1e-10)
     assert other.attrs == whole.attrs
+
+
+def test_frames_of_other_line_spacings_are_warned_of(flight):
+    one, other = (statistics.summarise(*frame) for frame in flight[:2])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        statistics.merge([one, other.assign(line_spacing_m=1.05 * one["line_spacing_m"])])
+    wide = other.assign(line_spacing_m=10 * one["line_spacing_m"])
+    with pytest.warns(UserWarning, match="lines of frames lie .* to .* m apart: statistics along"):
+        statistics.merge([one, wide])
 
 
 def test_a_summary_survives_the_disk(flight, tmp_path):

@@ -83,7 +83,7 @@ def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tm
         assert np.nanmax(np.abs(error)) < BIN_S
         assert np.isfinite(error).mean() > 0.97
     (written,) = (tmp_path / "out").glob("*.nc")
-    whole = open_segment([written])
+    whole = open_segment(written)
     assert_array_equal(whole["layer"], NAMES)
     assert_array_equal(whole["frame"], 260 * [paths[0].stem] + 240 * [paths[1].stem])
     joined = open_segment([folder / path.name for path in paths[::-1]])
@@ -654,3 +654,9 @@ def test_a_pipe_is_refused_because_files_are_read_more_than_once(track, tmp_path
     assert track([tmp_path / "pipe"]) == 1
     [line] = lines
     assert line.endswith("pipe: file: expected one that can be read more than once, found a pipe")
+
+
+def test_a_range_bin_without_an_image_is_refused(track, tmp_path, frame):
+    path = write_frame(tmp_path, frame[0])
+    with refusal("bin_s: expected an image among the files, whose range bin it is, found echo"):
+        track([path], bin_s=1e-10)

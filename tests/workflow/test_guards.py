@@ -9,6 +9,7 @@ from refusals import refusal
 from runs import lines_with, run_snakemake
 
 from lib.checks import check_disk, check_folders
+from lib.sources import check_tracker
 
 
 def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):
@@ -25,6 +26,13 @@ def test_a_folder_is_checked_by_the_first_that_is_there(tmp_path, monkeypatch):
     message = rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"
     with refusal(message):
         check_folders("logs")
+
+
+def test_a_tracker_that_the_package_does_not_have_is_named():
+    check_tracker("universal")
+    check_tracker("mine.onnx")
+    with refusal("config: import.tracker: expected universal, or a file NAME.onnx, got univrsal"):
+        check_tracker("univrsal")
 
 
 @contextmanager
