@@ -44,6 +44,8 @@ SINCE = {
     "headline": CHECKS,
     "flights": CHECKS,
     "deep_layers": CHECKS,
+    "accumulation": "warnings of dating are new since, and the flag of a year whose lower end is "
+    "unsure, which change no number of it",
     "transfer": "memory of the network is reserved in another way since, and a setting has limits, "
     "which changes no pick",
 }

@@ -175,6 +175,12 @@ def rendered_by(scene, renderer):
         _check_power(image, scene.name)
         image, noise_floor_db, maximum_db = to_uint8(image)
         levels = {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
+    elif image.max() <= 1:
+        msg = (
+            f"renderer: expected grey levels from 0 to 255, of scene {scene.name}, found none "
+            "above 1: of an image in [0, 1] they are (255 * image).astype(np.uint8)"
+        )
+        raise ValueError(msg)
     return dataclasses.replace(scene, image=image, echoes=None, **levels)
 
 

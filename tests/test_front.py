@@ -90,6 +90,14 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
             r"renderer: expected an image \(\d+, 256\) of scene drawn_000000, got \(\)",
         ),
         (
+            lambda: snowsim.scenes(
+                2,
+                rng=1,
+                renderer=lambda scene: np.eye(scene.n_range_bins, 256, dtype=np.uint8),
+            )[0],
+            "^renderer: expected grey levels from 0 to 255, of scene drawn_000000, found none",
+        ),
+        (
             lambda: snowsim.simulate(
                 snowsim.Snowpack(np.array([[0, -30.0], [1, 1]]), [300, 400]),
                 snowsim.Radar.preset("snow-2-8", height_m=20.0),
@@ -235,7 +243,7 @@ def test_scenes_as_printed_need_statistics_of_the_paper_s_estimator():
 
 def test_a_renderer_that_changes_its_scene_leaves_the_mask_as_drawn():
     def blank(scene):
-        return np.zeros((scene.n_range_bins, scene.n_range_lines), np.uint8)
+        return np.full((scene.n_range_bins, scene.n_range_lines), 9, np.uint8)
 
     def moving(scene):
         scene.layer_bins[:] -= 10

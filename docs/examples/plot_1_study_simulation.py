@@ -96,6 +96,7 @@ ax.set(xlabel="bandwidth [GHz]", ylabel="layers found, mean over range lines", y
 ax.legend()
 
 # %%
-# A wider band separates more of the 25 layers. What the simulation neglects, and how far it lies
-# from a coherent solver, is said on the page :doc:`/stages/simulate`. To draw scenes like an
-# annotated flight's instead, by its statistics, see the other examples.
+# A wider band separates more of the 25 layers: 15.0, 15.9 and 16.4 are found, of one draw of the
+# snow and its speckle; other seeds say how sure that is. What the simulation neglects, and how far
+# it lies from a coherent solver, is said on the page :doc:`/stages/simulate`. To draw scenes like
+# an annotated flight's instead, by its statistics, see the other examples.

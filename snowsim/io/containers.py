@@ -76,7 +76,11 @@ LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
 SMALLEST_SHARE = 0.4
 
 # Units of travel times that have no attribute `units`; then the length of each unit in seconds.
-TRAVEL_TIMES = {"twtt": "s", "fasttime": "us"}
+TRAVEL_TIMES = {
+    "twtt": "s",
+    "fasttime": "us",
+    **dict.fromkeys(("Surface", "Bottom", "peak_twtt", "twtt_low", "twtt_high"), "s"),
+}
 SECONDS = {
     "s": 1.0,
     "sec": 1.0,
@@ -90,6 +94,8 @@ SECONDS = {
 # Variables of positions that become degrees where their attribute `units` says radians.
 ANGLES = ("Latitude", "Longitude", "lat", "lon")
 RADIANS = ("radian", "radians", "rad")
+HEIGHTS = ("Elevation", "altitude")
+METRES = ("", "1", "m", "meter", "meters", "metre", "metres")
 # Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
 # cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
@@ -113,6 +119,7 @@ USER_BLOCK_BYTES = 512  # in front of the HDF5 data of a MAT v7.3 file
 # The header of a MAT v5 file: text first, the byte order last. The text of scipy has a date, by
 # which two files of the same content would differ.
 MAT_HEADER_BYTES = 128
+MAT_TAG_BYTES = 8  # of a variable
 TEXT_BYTES = 116
 BYTE_ORDERS = (b"\x00\x01IM", b"\x01\x00MI")
 MOST = f"at most {MAXIMUM_BYTES} bytes"
@@ -198,9 +205,23 @@ def open_container(path, content=None):
         return Stored(path, frozenset(file), partial(_read_mat73, file))
     if content[MAT_HEADER_BYTES - 4 : MAT_HEADER_BYTES] not in BYTE_ORDERS:
         raise refusal(path, "content", KINDS, f"{len(content)} other bytes")
+    _check_whole_mat5(path, content)
     file = BytesIO(content)
     shapes = {name: shape for name, shape, _ in scipy.io.whosmat(file)}
     return Stored(path, frozenset(shapes), partial(_read_mat5, file, shapes))
+
+
+def _check_whole_mat5(path, content):
+    """Refuse a MAT v5 file that is cut off: scipy leaves out its last variables without a word."""
+    order = "<" if content[MAT_HEADER_BYTES - 2 : MAT_HEADER_BYTES] == b"IM" else ">"
+    end = MAT_HEADER_BYTES
+    while end + MAT_TAG_BYTES <= len(content):
+        # A variable has a tag, its type and its size.
+        end += MAT_TAG_BYTES + struct.unpack_from(f"{order}4xI", content, end)[0]
+    if end != len(content):
+        raise refusal(
+            path, "content", "a whole MAT v5 file", f"one cut off at {len(content)} bytes"
+        )
 
 
 def format_of(stored, kinds=FORMATS):
@@ -297,7 +318,7 @@ def _labelled(path, source, **how):
 def _convert_units(path, decoded):
     """Convert travel times of a dataset to seconds, and positions in radians to degrees."""
     for name in TRAVEL_TIMES.keys() & decoded.variables.keys():
-        unit = str(decoded[name].attrs.get("units") or TRAVEL_TIMES[name]).strip().lower()
+        unit = str(decoded[name].attrs.get("units", "")).strip().lower() or TRAVEL_TIMES[name]
         if unit not in SECONDS:
             raise refusal(path, name, ", ".join(SECONDS), unit)
         if SECONDS[unit] != 1:
@@ -307,6 +328,10 @@ def _convert_units(path, decoded):
         angle = decoded[name]
         if str(angle.attrs.get("units", "")).strip().lower() in RADIANS:
             decoded[name] = (angle.dims, np.degrees(_written(angle.values)), {"units": "degrees"})
+    for name in decoded.variables.keys() & {*HEIGHTS}:
+        unit = str(decoded[name].attrs.get("units", "")).strip().lower()
+        if unit not in METRES:
+            raise refusal(path, name, "metres", unit)
 
 
 def _text_of(attribute):

@@ -22,6 +22,7 @@ from snowsim.echogram import (
 )
 from snowsim.io.containers import (
     ECHOGRAMS,
+    RADIANS,
     SUPPLEMENT_FLAGS,
     format_of,
     one_line_errors,
@@ -36,6 +37,7 @@ from snowsim.io.times import gps_seconds, utc_times
 LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
 LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "dbm", "dbw", "decibel", "decibels")
+UNITS_OF_AMPLITUDE = ("v", "volt", "volts", "amplitude")
 # Units that begin so are decibels or another logarithm, in words that are not known.
 LOGARITHMIC = ("db", "decibel", "log", "10*log", "10 log")
 # Parameters of a file that become attributes of the dataset.
@@ -136,6 +138,8 @@ def read_opr(stored):
     """
     dataset = stored.read()
     units = str(dataset["Data"].attrs.get("units", "")).lower()
+    if units in UNITS_OF_AMPLITUDE:
+        raise refusal(stored.path, "Data: units", f"power, or {', '.join(UNITS_OF_DB)}", units)
     if units.startswith(LOGARITHMIC) and units not in UNITS_OF_DB:
         raise refusal(stored.path, "Data: units", f"{', '.join(UNITS_OF_DB)}, or power", units)
     if units in UNITS_OF_DB:
@@ -204,7 +208,9 @@ def read_nsidc(stored, *, compensated=False):
         theirs = NSIDC_NAMES.get(ours, ours)
         if theirs in values:
             along = values[theirs].astype(float)
-            content[ours] = np.radians(along) if ours in ATTITUDE else along
+            unit = str(along.attrs.get("units", "")).strip().lower()
+            in_degrees = ours in ATTITUDE and unit not in RADIANS
+            content[ours] = np.radians(along) if in_degrees else along
     attributes = {"source_format": "IRSNO1B NetCDF"}
     for name in sorted(values.variables):
         parameter = name.rpartition(".")[2]

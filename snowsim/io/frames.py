@@ -17,6 +17,7 @@ from snowsim.alignment import (
     cut_blocks,
     join,
 )
+from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import check_choice, check_layers
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
@@ -133,6 +134,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     if not failed:
         reason = "layer_names: expected layers that some frame has, found it in none"
         failed = [f"{name}: {reason}" for name in layer_names if name in missing]
+        report(failed, f"frames: {len(failed)} of {len(layer_names)} layer_names are in no frame")
     report(failed, f"frames: {len(failed)} of {len(table)} frames fail")
     if not layer_names:
         _warn_of_names(names_of)
@@ -193,6 +195,7 @@ def scenes_of_frame(row, echogram, layers):
     scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
+        reasons = reasons or f"a block has {BLOCK_LINES}"
         found = f"none in {echogram.sizes['slow_time']} range lines ({one_line(reasons, 200)})"
         raise refusal(row.echogram, "blocks", "at least one that is a scene", found)
     return scenes, skipped

@@ -1,6 +1,7 @@
 """Image pairs in the layout of the published benchmark, read and written."""
 
 import dataclasses
+import hashlib
 import io
 import json
 import re
@@ -146,7 +147,7 @@ class PairSet(Sequence):
     both labels are there, they must agree.
 
     A file ``spacing.json`` beside the images, ``{"bin_size_s": 2.886e-10, "line_spacing_m": 5.2}``,
-    holds numbers that become `notes` of every scene.
+    holds numbers that become `notes` of every scene. `spacing` has them by folder.
     """
 
     def __init__(self, path):
@@ -160,7 +161,8 @@ class PairSet(Sequence):
         for file in self._paths:
             _check_png(file)
         self.names = [scene_name(file) for file in self._paths]
-        self._spacing = {folder: read_spacing(folder) for folder in {f.parent for f in self._paths}}
+        folders = sorted({file.parent for file in self._paths})
+        self.spacing = {folder: read_spacing(folder) for folder in folders}
         missing = [file.name for file in self._paths if not file.is_file()]
         twice = {name for name in self.names if self.names.count(name) > 1}
         if not self.names or missing or twice:
@@ -177,17 +179,20 @@ class PairSet(Sequence):
     def __getitem__(self, item):
         path = self._paths[item]
         scene = read_pair(path)
-        return dataclasses.replace(scene, notes=scene.notes | self._spacing[path.parent])
+        return dataclasses.replace(scene, notes=scene.notes | self.spacing[path.parent])
 
     def files(self, span):
-        """Paths of the images and labels of a slice of scenes."""
+        """Paths of the images of a slice of scenes, and of the labels and spacing beside them."""
         paths = self._paths[span]
-        return paths + [label for path in paths for label in labels_beside(path)]
+        told = [folder / SPACING_FILE for folder in {path.parent: None for path in paths}]
+        labels = [label for path in paths for label in labels_beside(path)]
+        return paths + labels + [file for file in told if file.is_file()]
 
     def check(self):
         """List of dicts, one for each scene, after every scene was read once.
 
-        A dict has `name`, `n_range_bins`, `n_range_lines`, `n_layers` and `tells_db`. One
+        A dict has `name`, `n_range_bins`, `n_range_lines`, `n_layers`, `tells_db` and `digest`, the
+        SHA-256 of the pixels. One
         ValueError names all scenes that cannot be read, and all whose number of range lines
         differs from that of most scenes.
         """
@@ -205,6 +210,7 @@ class PairSet(Sequence):
                 "n_range_lines": scene.n_range_lines,
                 "n_layers": len(scene.layer_bins),
                 "tells_db": tells_db(scene),
+                "digest": hashlib.sha256(scene.image.tobytes()).hexdigest(),
             }
             rows.append(row)
         widths = [row["n_range_lines"] for row in rows]

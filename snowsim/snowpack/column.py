@@ -18,6 +18,7 @@ from snowsim.snowpack.profile import interfaces
 
 SNOW_DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
 GREENLAND_LIMITS_DEG = ((59, 84), (-74, -10))  # latitude and longitude
+GROUND_LIMITS_M = (-100, 3800)  # heights of its surface above the ellipsoid
 DEEPEST_M = 500.0  # snow of one density ends at this depth
 DEEPEST_FIRN_M_WE = 200.0  # Herron & Langway's firn ends below this mass
 
@@ -46,6 +47,14 @@ def temperature_k_of(layers):
         msg = (
             "density: unknown outside Greenland, or without positions: give temperature_k, "
             "a density or a profile"
+        )
+        raise ValueError(msg)
+    middle_m = float(pd.Series(np.ravel(ground_m)).median())
+    if not GROUND_LIMITS_M[0] < middle_m < GROUND_LIMITS_M[1]:
+        msg = (
+            "layers: Elevation: expected heights of the radar over Greenland's snow, whose surface "
+            f"is then at {GROUND_LIMITS_M[0]} to {GROUND_LIMITS_M[1]} m, found it at "
+            f"{middle_m:.4g} m: correct it, or give temperature_k, a density or a profile"
         )
         raise ValueError(msg)
     return temperature_k

@@ -30,6 +30,8 @@ N_MEDIAN_ROUNDS = 3  # rounds of medians by layer and by line; assumed, not meas
 # Named layers are refused if the mass of a year between them is more than so many times the typical
 # one, or less than it divided by this.
 REFUSED_FACTOR = 4
+# Above the uppermost named layer they are warned of by that factor, if more years than this differ.
+LEAST_NOTED_YEARS = 2
 # A warning is given if the expected mass and the typical one by the layers alone differ by more
 # than this factor, or by more than so many of their joint standard deviations.
 NOTED_FACTOR, NOTED_SD = 2, 3
@@ -119,6 +121,7 @@ def date_layers(water_m, picks, year, annual, expected, separable_m):
     series, given = _checked_series(water_m, picks, year, annual, expected, separable_m)
     known = series.known
     found = posterior(series, ANNUAL if annual else TRACKED, *expected)
+    _note_snow_above(series, found.typical_m, given)
     if annual and given:
         age = last_autumn - consecutive_years(len(picks.names), given)
     elif annual:
@@ -170,6 +173,22 @@ def _checked_series(water_m, picks, year, annual, expected, separable_m):
                 stacklevel=4,
             )
     return series, given
+
+
+def _note_snow_above(series, typical_m, given):
+    """Warn if far more or less snow than typical lies above the uppermost layer of given year."""
+    if not given:
+        return
+    layer, year = next(iter(given.items()))
+    years = series.known[layer - 1] + series.elapsed
+    found = series.above_m[layer - 1] / typical_m
+    differ = abs(found - years) > LEAST_NOTED_YEARS
+    if differ and not years / REFUSED_FACTOR < found < years * REFUSED_FACTOR:
+        warnings.warn(
+            f"year: {year}, {years:.3g} years before the flight, was given for a layer under the "
+            f"snow of {found:.2g} typical years",
+            stacklevel=4,
+        )
 
 
 def only_falling(sure, named):

@@ -175,7 +175,25 @@ def agreement(
         raise ValueError(left_out[0])
     for text in left_out:
         warnings.warn(text, stacklevel=2)
+    _warn_of_copies(rows)
     return _dataset(rows).assign_attrs(within_m=within_m, tolerance_years=tolerance_years)
+
+
+def _warn_of_copies(rows):
+    """Warn of places where a segment and its copy meet, by tables of places and of their layers."""
+    copies = set()
+    for place, layers in zip(rows["place"], rows["layer"], strict=True):
+        (own,) = place.to_dict("records")
+        depths_m = layers[["depth_first_m", "depth_second_m"]].dropna().to_numpy()
+        n_equal = (depths_m[:, 0] == depths_m[:, 1]).sum()
+        if own["days_between"] == 0 and n_equal > len(depths_m) / 2:
+            copies.add(f"{own['first']} and {own['second']}")
+    if copies:
+        warnings.warn(
+            f"segments {', '.join(sorted(copies))}: most layers have equal times and depths: one "
+            "pass and its copy agree with themselves",
+            stacklevel=3,
+        )
 
 
 def _checked_track(layers, name, within_m):

@@ -33,6 +33,9 @@ FIRST_GUESS_M = 0.3
 N_FIRN_ROUNDS = 2  # rounds of that firn and the mean accumulation; assumed, not measured
 USUAL_CONFIDENCE = 0.9  # confidence of picks that come without one, as a person's do
 AUTOMATIC = 2  # `type` of picks that no person set
+BAD = 3  # `quality` of picks
+MOST_NAMED = 5  # layers that a warning names
+BOTTOM_NAME = "bottom"  # of the ice, in files of CReSIS
 LEAST_DOUBT = 0.05  # least probability that no layer lies at a pick
 EXPECTED_LIMITS_M = (0.001, 10)  # limits of an expected accumulation, those of `Climate`
 LONG_YEARS = 12  # a warning is given if two picks lie more years apart
@@ -52,7 +55,7 @@ UNIT_AND_MEANING = {
     "year_confidence": ("1", "probability that the year of the horizon is right"),
     "age_low": ("1", "lower limit of years before the last autumn, nine of ten lie between both"),
     "age_high": ("1", "upper limit of years before the last autumn"),
-    "flag": ("1", "1 where year_confidence is below 0.8"),
+    "flag": ("1", "1 where the horizon at either end of the year is right with less than 0.8"),
     "below_s": ("s", "two-way travel time below the surface"),
     "depth_at": ("m", "depth at two-way travel times below the surface"),
     "open_m_we": ("m", "mass above the horizon of the last autumn in metres of water"),
@@ -204,12 +207,43 @@ def _checked(layers):
         expected = "a dataset, as snowsim.io.open_segment reads it from files"
         msg = f"layers: expected {expected}, got {type(layers).__name__}"
         raise ValueError(msg)
-    layers = _from_surface_down(with_fixes(layers))
+    layers = _from_surface_down(_of_snow(with_fixes(layers)))
     check_layers(layers)
+    _warn_of_bad(layers)
     if "confidence" in layers:
         known = layers["confidence"].values
         check_values("layers: confidence", known[np.isfinite(known)], 0, 1)
     return layers
+
+
+def _of_snow(layers):
+    """Layers without one named bottom, which is no horizon of snow, and without picks at time 0."""
+    if not {"layer", "twtt"} <= set(layers.variables):
+        return layers  # which is refused
+    names = [str(name) for name in layers.get_index("layer")]
+    of_bottom = [name.rpartition(":")[2].lower() == BOTTOM_NAME for name in names]
+    if any(of_bottom):
+        warnings.warn(
+            "layers: the layer bottom is left out: by its name it is no horizon of snow",
+            stacklevel=4,
+        )
+    layers = layers.isel(layer=~np.array(of_bottom))
+    # Zero means that nobody picked.
+    return layers.assign(twtt=layers["twtt"].where(layers["twtt"] != 0))
+
+
+def _warn_of_bad(layers):
+    """Warn of picks that are bad by their quality and have no confidence, which would count."""
+    bad = (layers["quality"] == BAD) & layers["twtt"].notnull()
+    if "confidence" in layers:
+        bad &= layers["confidence"].isnull()
+    names = layers["layer"].values[bad.any("slow_time").values]
+    if names.size:
+        warnings.warn(
+            f"layers: {int(bad.sum())} picks have quality {BAD}, bad, and are used as others are, "
+            f"of {', '.join(map(str, names[:MOST_NAMED]))}: correct them, or leave them out",
+            stacklevel=4,
+        )
 
 
 def _from_surface_down(layers):
@@ -399,7 +433,9 @@ def _yearly(layers, picks, column, dated, density_error):
     # A horizon without a pick is as sure as the less sure of the picks that bound it.
     sure_below = rows.pop("sure_below")
     rows["year_confidence"] = rows["year_confidence"].where(within == 0, sure_below)
-    rows["flag"] = (rows["year_confidence"] < LEAST_SURE).astype(int)
+    # A year whose lower end is unsure may be more years, or less than one.
+    unsure = np.minimum(rows["year_confidence"], sure_below) < LEAST_SURE
+    rows["flag"] = unsure.astype(int)
     for name in ("age_low", "age_high"):
         rows[name] += within
     found = _dataset(layers, rows)

@@ -172,7 +172,7 @@ def test_checked_scenes_tell_their_sizes_and_those_that_fail_are_named_together(
     rows = pd.DataFrame(pairs.check())
     assert rows["n_range_bins"].tolist() == [300, 320, 301]
     assert (rows[["n_range_lines", "n_layers", "tells_db"]] == [256, 6, True]).all(axis=None)
-    assert len(pairs.files(slice(1, 3))) == 6
+    assert len(pairs.files(slice(1, 3))) == 7  # images, two labels of each, and spacing.json
     narrow = Scene("narrow", 300, scenes[0].layer_bins[:, :200], image=scenes[0].image[:, :200])
     narrow.notes.update(scenes[0].notes)
     export_pairs(exported, [narrow], list_name="narrow.lst")

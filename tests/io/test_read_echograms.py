@@ -491,3 +491,19 @@ def test_power_in_whole_numbers_is_power(path, content):
     dataset["Data"] = (dataset["Data"] * 1e6).round().astype(np.int32)
     write_dataset(path, dataset)
     assert_array_equal(read_echogram(path)["Data"], dataset["Data"])
+
+
+def test_heights_in_other_units_and_amplitudes_are_refused_and_angles_read_by_their_units(
+    path, content
+):
+    frame = formats.opr_dataset(content)
+    for name, unit, expected in (("Elevation", "km", "metres"), ("Data", "V", "power, or db")):
+        changed = frame.assign({name: frame[name].assign_attrs(units=unit)})
+        changed.to_netcdf(path)
+        refused(read_echogram, path, f"{name}.*: expected {expected}.*, found {unit.lower()}")
+    formats.write_nsidc(path, content)
+    expected = read_echogram(path)["Roll"]
+    with netCDF4.Dataset(path, "a") as file:
+        file["roll"][:] = np.radians(file["roll"][:])
+        file["roll"].units = "radians"
+    assert_allclose(read_echogram(path)["Roll"], expected, rtol=1e-12)

@@ -256,3 +256,35 @@ def test_real_layer_files_give_their_named_layers_in_order_though_their_ids_are_
 )
 def test_real_degenerate_files_organizers_and_images_are_no_layers(shared_data, file, message):
     refused(read_layers, shared_data / file, message)
+
+
+@pytest.mark.parametrize("compress", [True, False])
+def test_a_mat5_file_that_is_cut_off_is_refused_wherever_it_ends(path, compress):
+    twtt = 1e-6 + 1e-8 * np.arange(3)[:, None] + np.zeros(50)
+    content = formats.layer_content(twtt, [1, 2, 3], formats.GPS_START + np.arange(50))
+    formats.write_mat5(path, content, compress=compress)
+    whole = path.read_bytes()
+    read_layers(path)
+    for n_bytes in range(136, len(whole), len(whole) // 20):
+        path.write_bytes(whole[:n_bytes])
+        with pytest.raises(ValueError, match="expected a whole MAT v5 file"):
+            read_layers(path)
+    path.write_bytes(whole[:-5])
+    refused(
+        read_layers,
+        path,
+        f"content: expected a whole MAT v5 file, found one cut off at {len(whole) - 5} bytes",
+    )
+
+
+@pytest.mark.parametrize("unit", ["us", "furlongs"])
+def test_units_of_all_travel_times_count(path, unit):
+    twtt = 1e-6 + 1e-8 * np.arange(3)[:, None] + np.zeros(50)
+    layers = formats.opr_layers(twtt, formats.GPS_START + np.arange(50))
+    shown = layers["twtt"] * 1e6
+    layers["peak_twtt"] = shown.assign_attrs(units=unit)
+    layers.to_netcdf(path)
+    if unit == "us":
+        assert_allclose(read_layers(path)["peak_twtt"], twtt, rtol=1e-12)
+    else:
+        refused(read_layers, path, "peak_twtt: expected s, .*, found furlongs")

@@ -153,6 +153,14 @@ def test_a_track_that_runs_back_along_itself_is_compared_with_itself():
     assert_allclose(flown * SPACING_M, [0, 1260, 2520], atol=25)
 
 
+def test_a_copy_of_a_segment_is_no_other_pass():
+    layers = passed(Snow(2), line(0))
+    with pytest.warns(
+        UserWarning, match="segments 0 and 1: most layers have equal times and depths"
+    ):
+        compared(layers, layers)
+
+
 def test_a_loop_crosses_itself_at_its_foot():
     turn = np.linspace(0, 2 * np.pi, 630)
     loop = 800 * np.array([np.sin(turn), 1 - np.cos(turn)])

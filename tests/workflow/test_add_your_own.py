@@ -5,7 +5,7 @@ import pytest
 from pages import save_named
 from runs import ROOT, TINY, parsed, refused, run_snakemake
 
-from snowsim.io import SceneSet
+from snowsim.io import SceneSet, read_model
 
 PAGE = ROOT / "docs/start/add-your-own.md"
 
@@ -31,6 +31,10 @@ def test_the_page_followed_gives_its_columns_tables_and_a_report(with_files):
     rendered = SceneSet(sorted((results / "own/boxes/labels").glob("*.nc")))
     assert [scene.name for scene in rendered] == [scene.name for scene in drawn]
     assert "boxes" in (results / "report.html").read_text()
+    # What a tracker was trained on is part of what it may be resumed from.
+    names = ("rd", "rd_boxes")
+    made_of = [read_model(results / f"tracker/{name}/0.safetensors")[1] for name in names]
+    assert made_of[0]["data"] != made_of[1]["data"]
     # As printed there is neither, and an edit runs what depends on it.
     again = (with_files, "--dry-run", "all", "as_printed")
     (with_files / "boxes.py").write_text((with_files / "boxes.py").read_text() + "# edited\n")
@@ -52,6 +56,6 @@ def test_no_target_is_ambiguous_with_functions_of_ones_own(with_files, targets):
 
 
 def test_a_name_that_results_have_already_is_refused(tmp_path):
-    for name in ("phy", "gd", "own", "my_boxes", "Boxes"):
+    for name in ("phy", "gd", "own", "equal", "my_boxes", "Boxes"):
         assert "expected: small letters" in refused(tmp_path, own={"renderers": {name: "a.py"}})
     assert "expected: a Python file" in refused(tmp_path, own={"trackers": {"a": "a.m"}})

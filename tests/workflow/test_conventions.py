@@ -70,3 +70,6 @@ rule mine:
     assert done.returncode == 0, done.stderr[-3000:]
     for job in ("mine", "snow_tabulate_similarity", "snow_train_cgan"):
         assert job in text_of(done)
+    # The report finds jobs by the names of their logs, which a module keeps.
+    stages = parsed(tmp_path, (), snakefile=tmp_path / "Snakefile").get_rule("snow_write_report")
+    assert stages.params.rule_stages["train_cgan"] == "renders"

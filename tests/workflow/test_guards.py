@@ -8,7 +8,7 @@ import pytest
 from refusals import refusal
 from runs import lines_with, run_snakemake
 
-from lib.checks import check_disk, check_folders
+from lib.checks import check_disk, check_folders, warn_of_left_over
 from lib.sources import check_tracker
 
 
@@ -33,6 +33,21 @@ def test_a_tracker_that_the_package_does_not_have_is_named():
     check_tracker("mine.onnx")
     with refusal("config: import.tracker: expected universal, or a file NAME.onnx, got univrsal"):
         check_tracker("univrsal")
+
+
+def test_scenes_that_the_configuration_no_longer_has_are_named(tmp_path, caplog):
+    for name in (
+        "labels/0000.nc",
+        "phy/labels/0000.nc",
+        "phy/labels/0001.nc",
+        "own/a/test/0001.nc",
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    warn_of_left_over(tmp_path, {"labels": ["0000", "0001"], "test": ["0000", "0001"]})
+    assert caplog.text == ""
+    warn_of_left_over(tmp_path, {"labels": ["0000"], "test": ["0000"]})
+    assert f"{tmp_path}/phy/labels/0001.nc, one of 2 files of scenes" in caplog.text
 
 
 @contextmanager

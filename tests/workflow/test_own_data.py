@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
+from refusals import refusal
 from runs import (
     ROOT,
     SCHEMA,
@@ -25,7 +26,7 @@ from snakemake.utils import update_config
 from toy_scenes import toy_scenes
 
 from lib.configuration import filled
-from lib.sources import check_lists
+from lib.sources import check_lists, frame_files, own_pairs
 from snowsim.io import SceneSet, export_pairs, read_frames
 from snowsim.statistics import fit
 
@@ -78,10 +79,51 @@ def test_pairs_whose_spacing_the_configuration_contradicts_are_refused(tmp_path)
     lists = {"train": tmp_path / "all.lst"}
     settings = {"contrast_db": 30.0}
     said = {"bin_size_s": ("import.bin_s", 2.886e-10), "line_spacing_m": ("a", 5.0)}
-    with pytest.raises(ValueError, match="config: import.bin_s: expected 1.1e-10, as spacing.json"):
+    with pytest.raises(
+        ValueError, match="config: import.bin_s: expected 1.1e-10, as .*spacing.json"
+    ):
         check_lists(lists, **settings, spacing=said)
     told = said | {"bin_size_s": ("import.bin_s", 1.1e-10)}
     assert len(check_lists(lists, **settings, spacing=told)) == 2
+
+
+def test_spacing_is_read_beside_the_images_wherever_the_list_is(tmp_path):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
+    for scene in scenes:
+        scene.notes["bin_size_s"] = 1.1e-10
+    export_pairs(tmp_path / "images", scenes)
+    listed = [f"images/data_{scene.name}.png\n" for scene in scenes]
+    (tmp_path / "train.lst").write_text("".join(listed))
+    said = {"bin_size_s": ("import.bin_s", 2.886e-10), "line_spacing_m": ("a", 5.0)}
+    message = "config: import.bin_s: expected 1.1e-10, as .*images/spacing.json says, got 2.886e-10"
+    with refusal(message):
+        check_lists({"train": tmp_path / "train.lst"}, contrast_db=30.0, spacing=said)
+    pairs = own_pairs(tmp_path, {"train": "train.lst"})["train"]
+    assert tmp_path / "images/spacing.json" in pairs.files(slice(0, 1))
+
+
+def test_a_copy_of_a_train_scene_is_no_test_scene(tmp_path):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(3))]
+    scenes[2].image = scenes[0].image
+    export_pairs(tmp_path, scenes)
+    (tmp_path / "train.lst").write_text("data_toy_0.png\ndata_toy_1.png\n")
+    (tmp_path / "test.lst").write_text("data_toy_2.png\n")
+    lists = {split: tmp_path / f"{split}.lst" for split in ("train", "test")}
+    message = (
+        "test: toy_2: expected an image that is in no other list, found that of toy_0 of train"
+    )
+    with refusal(message):
+        check_lists(lists, contrast_db=30.0, spacing=None)
+
+
+def test_all_files_of_a_store_and_flags_beside_it_are_inputs(tmp_path):
+    store = tmp_path / "a.zarr"
+    (store / "Data").mkdir(parents=True)
+    (store / "Data/0.0").touch()
+    (tmp_path / "a_supplement.nc").touch()
+    row = {"echogram": str(store), "layers": ""}
+    files = [store, store / "Data/0.0", tmp_path / "a_supplement.nc"]
+    assert frame_files(row) == [str(file) for file in files]
 
 
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):

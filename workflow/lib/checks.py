@@ -37,6 +37,27 @@ def warn_of_edits(root, results):
         logging.getLogger("snakemake.logging").warning(words)
 
 
+def warn_of_left_over(results, shards):
+    """Warn, in one line, of scenes of an earlier configuration that had more of them.
+
+    `shards` are the names of the files of each scene set, as "labels". No job reads the others, but
+    ``snowsim export results/phy/labels/*.nc`` would.
+    """
+    left = [
+        path
+        for scenes, names in shards.items()
+        for folder in (".", "benchmark", "phy", "cgan", "own/*")
+        for path in sorted(Path(results).glob(f"{folder}/{scenes}/[0-9]*.nc"))
+        if path.stem not in names
+    ]
+    if left:
+        words = (
+            f"{left[0]}, one of {len(left)} files of scenes that this configuration does not have: "
+            "they are of an earlier one, and may be deleted"
+        )
+        logging.getLogger("snakemake.logging").warning(words)
+
+
 def _time(path):
     return path.stat().st_mtime
 

@@ -145,23 +145,35 @@ def shipped_tracker(name):
     return [] if own_tracker(name) else [f"snowsim/data/{name}{end}" for end in (".onnx", ".json")]
 
 
-def frame_files(row, source):
-    """Files of a row: echogram, layers and, where there are any, names of layers and flags."""
-    from snowsim.io.echograms import find_supplement
+def frame_files(row):
+    """All files that a row is read from, with the flags of its echogram and names of its layers."""
     from snowsim.io.layers import find_organizer
 
-    files = [row["echogram"], row["layers"]]
-    if source == "nsidc" and (supplement := find_supplement(row["echogram"])):
-        files.append(str(supplement))
-    if row["layers"] and (organizer := find_organizer(row["layers"])):
-        files.append(str(organizer))
+    files = echogram_files(row["echogram"])
+    if row["layers"]:
+        files += stored_files(row["layers"])
+        if organizer := find_organizer(row["layers"]):
+            files.append(str(organizer))
     return files
 
 
-def frame_inputs(row, source):
+def echogram_files(path):
+    """Files of an echogram, and its supplement if there is one."""
+    from snowsim.io.echograms import find_supplement
+
+    supplement = find_supplement(path)
+    return stored_files(path) + ([str(supplement)] if supplement else [])
+
+
+def stored_files(path):
+    """A file, or all files of a Zarr store: its folder keeps its time when a chunk changes."""
+    files = sorted(Path(path).rglob("*")) if Path(path).is_dir() else []
+    return [str(path), *(str(file) for file in files if file.is_file())]
+
+
+def frame_inputs(row):
     """Inputs of a rule that imports the frame of a row; `files` lists all files it is read from."""
-    files = frame_files(row, source)
-    return {"echogram": row["echogram"], "layers": row["layers"], "files": files}
+    return {"echogram": row["echogram"], "layers": row["layers"], "files": frame_files(row)}
 
 
 def own_pairs(folder, lists):
@@ -185,6 +197,20 @@ def own_pairs(folder, lists):
     return pairs
 
 
+def copies_held_out(rows):
+    """A message for each scene whose image is that of a scene of another split."""
+    first = {}
+    failed = []
+    for row in rows:
+        other = first.setdefault(row["digest"], row)
+        if other["split"] != row["split"]:
+            failed.append(
+                f"{row['split']}: {row['name']}: expected an image that is in no other list, found "
+                f"that of {other['name']} of {other['split']}"
+            )
+    return failed
+
+
 def check_lists(lists, *, contrast_db, spacing):
     """Table of every scene in the lists, with its split.
 
@@ -194,24 +220,28 @@ def check_lists(lists, *, contrast_db, spacing):
     """
     import pandas as pd
 
-    from snowsim.io.pairs import SPACING_FILE, PairSet, read_spacing
+    from snowsim.io.pairs import SPACING_FILE, PairSet
 
     rows = []
     failed = []
     for split, path in lists.items():
-        for name, value in read_spacing(Path(path).parent).items():
-            key, said = spacing[name]
-            if abs(value / said - 1) > 1e-6:
-                beside = f"as {SPACING_FILE} beside {path} says"
-                failed.append(f"config: {key}: expected {value:g}, {beside}, got {said:g}")
         try:
-            checked = PairSet(path).check()
-            rows += [{"split": split, **row} for row in checked]
+            scenes = PairSet(path)
+            checked = scenes.check()
         except ValueError as error:
             failed.append(f"{path}: {error}")
+            continue
+        for folder, told in scenes.spacing.items():
+            for name, value in told.items():
+                key, said = spacing[name]
+                if abs(value / said - 1) > 1e-6:
+                    told_by = f"as {folder / SPACING_FILE} says"
+                    failed.append(f"config: {key}: expected {value:g}, {told_by}, got {said:g}")
+        rows += [{"split": split, **row} for row in checked]
+    failed += copies_held_out(rows)
     if failed:
         raise ValueError("\n".join(failed))
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).drop(columns="digest")
     without_db = table.loc[(table["split"] == "train") & ~table["tells_db"], "name"]
     if contrast_db is None and len(without_db):
         scenes = f"{len(without_db)} train scenes, {without_db.iloc[0]} the first,"

@@ -74,7 +74,7 @@ def train(
             "settings": dataclasses.asdict(settings),
             "seed": seed,
             "scenes": data,
-            "data": fingerprint([*real, *phy, *cgan]),
+            "data": fingerprint([*real, *phy, *cgan, *own]),
         }
         training = Training(settings, seed=seed, device=device)
         unfinished = {"kind": "unfinished tracker training", **made_of}

@@ -130,7 +130,7 @@ else:
     rule check_frames:
         input:
             frames=OWN["frames"],
-            files=[sources.frame_files(row, SOURCE) for row in sum(OBSERVED.values(), [])],
+            files=[sources.frame_files(row) for row in sum(OBSERVED.values(), [])],
         output:
             table=CHECK,
         log:
@@ -148,7 +148,7 @@ else:
 
     rule import_frame:
         input:
-            unpack(lambda w: sources.frame_inputs(OBSERVED["statistics"][int(w.frame)], SOURCE)),
+            unpack(lambda w: sources.frame_inputs(OBSERVED["statistics"][int(w.frame)])),
             check=CHECK,
         output:
             frame="results/flight/{frame}.nc",
@@ -169,7 +169,7 @@ else:
 
     rule import_blocks:
         input:
-            unpack(lambda w: sources.frame_inputs(OBSERVED[w.split][int(w.shard)], SOURCE)),
+            unpack(lambda w: sources.frame_inputs(OBSERVED[w.split][int(w.shard)])),
             check=CHECK,
         output:
             scenes="results/benchmark/{split}/{shard}.nc",

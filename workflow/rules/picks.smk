@@ -8,6 +8,10 @@ if workflow.is_main_process:
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_of_job(w.shard)],
+        # Supplements, and the files of Zarr stores.
+        others=lambda w: [
+            sources.echogram_files(row["echogram"])[1:] for row in frames_of_job(w.shard)
+        ],
         tracker=sources.own_tracker(OWN["tracker"]),
     output:
         folder=directory("results/picks/{shard}"),

@@ -124,6 +124,8 @@ if OWN_RENDERERS:
             results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
         params:
             renderer="{renderer}",
+            # An input is compared by its time alone: an older file put back would not be seen.
+            function=lambda w: finished([OWN_RENDERERS[w.renderer]]),
         message:
             "renders by {wildcards.renderer} of {wildcards.scenes}, shard {wildcards.shard}"
         script:

@@ -159,6 +159,7 @@ if OWN_TRACKERS:
             tracker="|".join(OWN_TRACKERS),
         params:
             tracker="{tracker}",
+            function=lambda w: finished([OWN_TRACKERS[w.tracker]]),
             seed=config["seed"],
             n_bootstrap=TRACKER["n_bootstrap"],
         message:

@@ -37,12 +37,13 @@ rule write_report:
         config=config,
         note=NOTE,
         figure_stages=[FIGURES[file] for file in SHOWN],
-        # Rules of shards share logs and benchmarks under one name.
+        # By the names of logs and benchmarks: a workflow that has this one as a module may call its rules otherwise.
         rule_stages={
-            re.sub(r"_\d{4}$", "", item.name): Path(item.snakefile).stem for item in workflow.rules
+            name[1]: Path(item.snakefile).stem
+            for item in workflow.rules
+            for log in item.log
+            if (name := re.search(r"(?:^|/)logs/([^/.]+)", str(log)))
         },
-        benchmarks="results/benchmarks",
-        logs="logs",
         printed=finished(PRINTED_TABLES) if PRINTED_IS_MADE else {},
         worth=finished([WORTH]),
     message:

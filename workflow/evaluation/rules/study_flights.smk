@@ -96,4 +96,4 @@ rule study_flights:
     input:
         rules.tabulate_flights.output,
     message:
-        "worth of synthetic scenes on flights of other climates and radars: 3 hours on two cores"
+        "worth of synthetic scenes on flights of other climates and radars: 2.5 hours on two cores"

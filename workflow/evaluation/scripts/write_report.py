@@ -24,6 +24,9 @@ def tables_by_name(paths):
 
 with job(snakemake):
     config = snakemake.params.config
+    # Beside those of this job: a module may put all results into a folder of its own.
+    logs = Path(snakemake.log[0]).parent
+    benchmarks = Path(snakemake.output.page).parent / "benchmarks"
     scenes = {
         "observed": SceneSet(snakemake.input.observed),
         "cgan": SceneSet(snakemake.input.cgan),
@@ -35,8 +38,8 @@ with job(snakemake):
         tables=tables_by_name([*snakemake.input.tables, *snakemake.params.worth]),
         paper=tables_by_name(checkout_files(snakemake.params.paper)),
         printed=tables_by_name(snakemake.params.printed),
-        jobs=read_benchmarks(snakemake.params.benchmarks, snakemake.params.rule_stages),
-        warned=read_warnings(snakemake.params.logs, snakemake.params.rule_stages),
+        jobs=read_benchmarks(benchmarks, snakemake.params.rule_stages),
+        warned=read_warnings(logs, snakemake.params.rule_stages),
         config=config,
         note=snakemake.params.note,
     )
