@@ -37,12 +37,12 @@ rule write_report:
         config=config,
         note=NOTE,
         figure_stages=[FIGURES[file] for file in SHOWN],
-        # By the names of logs and benchmarks: a workflow that has this one as a module may call its rules otherwise.
+        # By the folders of benchmarks, whose names logs share: a workflow that has this one as a module may call its
+        # rules otherwise.
         rule_stages={
             name[1]: Path(item.snakefile).stem
             for item in workflow.rules
-            for log in item.log
-            if (name := re.search(r"(?:^|/)logs/([^/.]+)", str(log)))
+            if (name := re.search(r"(?:^|/)results/benchmarks/([^/]+)", str(item.benchmark)))
         },
         printed=finished(PRINTED_TABLES) if PRINTED_IS_MADE else {},
         worth=finished([WORTH]),
