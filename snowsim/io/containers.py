@@ -95,7 +95,7 @@ SECONDS = {
 ANGLES = ("Latitude", "Longitude", "lat", "lon")
 RADIANS = ("radian", "radians", "rad")
 HEIGHTS = ("Elevation", "altitude")
-METRES = ("", "1", "m", "meter", "meters", "metre", "metres")
+NO_METRES = ("km", "kilometers", "kilometres", "cm", "mm", "ft", "foot", "feet")
 # Units of time that CF allows, by the names that xarray decodes itself. It decodes others with
 # cftime, which takes any time zone for UTC.
 TIMES = {"s": "seconds", "sec": "seconds", "min": "minutes", "h": "hours", "d": "days"}
@@ -330,7 +330,7 @@ def _convert_units(path, decoded):
             decoded[name] = (angle.dims, np.degrees(_written(angle.values)), {"units": "degrees"})
     for name in decoded.variables.keys() & {*HEIGHTS}:
         unit = str(decoded[name].attrs.get("units", "")).strip().lower()
-        if unit not in METRES:
+        if unit in NO_METRES:
             raise refusal(path, name, "metres", unit)
 
 
