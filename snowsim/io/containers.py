@@ -36,6 +36,7 @@ from numpy.exceptions import ComplexWarning
 from snowsim.echogram import MAXIMUM_BYTES
 from snowsim.io.files import (
     content_of,
+    is_zarr,
     library_errors,
     picture_format,
     refusal,
@@ -177,6 +178,8 @@ def open_container(path, content=None):
     picture = picture_format(content)
     if picture:
         raise refusal(path, "content", KINDS, f"a {picture} image")
+    if path.is_dir() and not is_zarr(path):
+        raise refusal(path, "content", KINDS, "a folder: name the files in it")
     if path.is_dir():
         return _labelled(path, path, engine="zarr", consolidated=False)
     if content.startswith(CDF5):

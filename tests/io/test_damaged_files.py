@@ -245,7 +245,7 @@ HARMFUL = {
     ],
     "none": [
         (lambda path, _: None, read_echogram, "expected .*, found .*No such file"),
-        (lambda path, _: path.mkdir(), read_layers, NO_DATA),
+        (lambda path, _: path.mkdir(), read_layers, f"{NO_DATA} a folder: name the files in it"),
         *(
             (lambda path, _, content=content: path.write_bytes(content), read_layers, NO_DATA)
             for content in (b"", b"\x89HDF\r\n\x1a\n", b"CDF\x01" + bytes(4), b"GIF89a")
