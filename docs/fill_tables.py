@@ -51,6 +51,7 @@ WAYS = {"universal": "tracker", "baseline": "peaks", "sato": "ridges"}
 FLOWN_SCORES = "workflow/evaluation/measured_flights.csv"
 FLOWN_DEPTHS = "workflow/evaluation/measured_flights_depths.csv"
 ANNOTATED_SCORES = "workflow/evaluation/measured_annotation.csv"
+CONTROL = ENDPOINT[1]  # the training set that the endpoint compares RD+PD with
 DEPTH_STEP_BINS, DEEPEST_BINS = 100, 400  # of the table of deep layers; the last step has no end
 N_COSTS = 8  # rules that a table of costs names
 # Rules that are no part of the default run, by the files that hold them.
@@ -176,10 +177,13 @@ def deep_layers(results):
     deep = share_of_deep(depths)
     rows = []
     for name in (name for name in SETS_STUDIED if name in deep.index):
-        more = "" if name == "rd" else signed(mean_over_flights(deep.loc[name] - deep.loc["rd"]))
-        rows.append([SETS_STUDIED[name].about, *map(hundredths, shares.loc[name]), more])
+        more = [
+            "" if name == base else signed(mean_over_flights(deep.loc[name] - deep.loc[base]))
+            for base in ("rd", CONTROL)
+        ]
+        rows.append([SETS_STUDIED[name].about, *map(hundredths, shares.loc[name]), *more])
     tops = [f"{number * DEPTH_STEP_BINS}-" for number in shares]
-    return markdown(["from range bin", *tops, "from 300, less RD"], rows)
+    return markdown(["from range bin", *tops, "from 300, less RD", "less the control"], rows)
 
 
 def annotation(results):

@@ -771,7 +771,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
       year_confidence    probability that the year is right, with all doubt in layers above
       age_low, age_high  limits of the horizon's age in nine of ten cases [years]; 0: last autumn
       n_years            number of years between two picks, over which values are means
-      flag               1 where year_confidence is below .8, else 0
+      flag               1 where the horizon at either end of the year is right with
+                         less than .8, else 0
       open_m_we          snow above the horizon of the last autumn [m w.e.]
 
     \b
