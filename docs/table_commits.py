@@ -37,17 +37,15 @@ SCORED_ONCE = {
     "accumulation": (*TRACKED, "snowsim/snowpack"),
 }
 # What has changed in that code since, if anything, by table.
-CHECKS = (
-    "limits of settings and a warning of mixed line spacings are new since, and change no number"
-)
+CHECKS = "limits of settings, checks of input and warnings are new since, and change no number"
 SINCE = {
     "headline": CHECKS,
     "flights": CHECKS,
     "deep_layers": CHECKS,
-    "accumulation": "warnings of dating are new since, and the flag of a year whose lower end is "
-    "unsure, which change no number of it",
-    "transfer": "memory of the network is reserved in another way since, and a setting has limits, "
-    "which changes no pick",
+    "accumulation": "warnings and checks of input are new since, and the flag of a year whose lower "
+    "end is unsure, which change no number of it",
+    "transfer": "memory of the network is reserved in another way since, and settings and input are "
+    "checked more, which changes no pick",
 }
 
 

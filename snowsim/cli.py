@@ -81,7 +81,7 @@ def export(sources, folder, layers, force):
       snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
     """  # noqa: D205, D301
     from snowsim.io.frames import read_frame, scenes_of_frame
-    from snowsim.io.pairs import check_empty, export_pairs
+    from snowsim.io.pairs import check_empty, export_pairs, warn_of_others
     from snowsim.progress import with_progress
 
     if not force:
@@ -98,7 +98,10 @@ def export(sources, folder, layers, force):
         scenes, skipped = scenes_of_frame(row, echogram, picked)
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
-    echo_counts(export_pairs(folder, with_progress(scenes, unit="scene")))
+    written = export_pairs(folder, with_progress(scenes, unit="scene"))
+    with echo_warnings():
+        warn_of_others(folder, written["n_scenes"])
+    echo_counts(written)
 
 
 def scene_set(source):
@@ -577,7 +580,11 @@ def changes_of(radar, changes):
         if name not in names:
             msg = f"--set: a radar has no {name}, but {', '.join(sorted(names))}"
             raise click.UsageError(msg)
-        values[name] = text if name == "window" else click.FLOAT(text)
+        try:
+            values[name] = text if name == "window" else float(text)
+        except ValueError:
+            msg = f"--set {name}: expected a number, such as 4e9, got {text!r}"
+            raise click.UsageError(msg) from None
     return values
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from snowsim.echogram import Scene, check_choice, to_uint8
 from snowsim.io.files import read_dataset
-from snowsim.io.pairs import SPACING, check_empty, export_pairs
+from snowsim.io.pairs import SPACING, check_empty, export_pairs, warn_of_others
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render_scene
@@ -130,7 +130,9 @@ class Scenes(Sequence):
         """
         if not force:
             check_empty(folder)
-        indices = with_progress(range(len(self)) if indices is None else indices, unit="scene")
+        indices = range(len(self)) if indices is None else list(indices)
+        check_count("number of scenes to write", len(indices))
+        indices = with_progress(indices, unit="scene")
         counts = []
 
         def render_and_count():
@@ -140,14 +142,7 @@ class Scenes(Sequence):
                 yield scene
 
         written = export_pairs(folder, render_and_count())
-        others = len(list(Path(folder).glob("data_*.png"))) - written["n_scenes"]
-        if others:
-            warnings.warn(
-                f"{folder}: scenes that were there before stay ({others}), and what is trained on "
-                "the folder has them, too; all.lst names those that are written now",
-                UserWarning,
-                stacklevel=2,
-            )
+        warn_of_others(folder, written["n_scenes"])
         n_cut, n_drawn = np.sum(counts, axis=0)
         if n_cut:
             n_scenes = sum(n > 0 for n, _ in counts)
@@ -278,6 +273,8 @@ def scenes(
         where = REFERENCE if statistics == "reference" else statistics
         statistics = read_dataset(where)
     check_statistics(statistics, where)
+    for name, within in SPACING.items():
+        check_values(f"{where}: {name}", statistics.attrs.get(name), *within, number=True)
     if recipe == "paper" and "thickness_psd" not in statistics:
         msg = (
             f"{where}: recipe paper needs thickness_psd, which statistics of the estimator paper "

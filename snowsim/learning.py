@@ -1,5 +1,6 @@
 """Training of a tracker on a user's scenes, for the command `snowsim train`; needs torch."""
 
+import hashlib
 import warnings
 from pathlib import Path
 
@@ -75,12 +76,14 @@ def train_tracker(path, sets, *, start=None, n_steps, seed, bin_s, line_spacing_
     Raises
     ------
     ValueError
-        If there are fewer than 2 scenes, if one cannot be trained on or has another spacing, if
-        `start` is no tracker, or if `device` asks for a GPU and there is none.
+        If there are fewer than 2 scenes, if one cannot be trained on or has another spacing, if two
+        have the same image, if `start` is no tracker, or if `device` asks for a GPU and there is
+        none.
     """
     check_device(device)
     scenes = ConcatDataset(sets)
     check_count("number of scenes, one for the calibration,", len(scenes), 2)
+    _refuse_copies(sets)
     bin_s = _spacing(scenes, "bin_size_s", bin_s, BIN_S)
     line_spacing_m = _spacing(scenes, "line_spacing_m", line_spacing_m, LINE_SPACING_M)
     for name, value in (("bin_s", bin_s), ("line_spacing_m", line_spacing_m)):
@@ -133,16 +136,36 @@ def held_out_score(probability, scenes):
     return result | {name: round(float(value), 4) for name, value in found.items()}
 
 
+def _refuse_copies(sets):
+    """Raise ValueError if two scenes have one image: that held out must not be trained on, too."""
+    firsts, copies = {}, []
+    for number, scenes in enumerate(sets, start=1):
+        for scene in scenes:
+            digest = hashlib.sha256(repr(scene.image.shape).encode() + scene.image.tobytes())
+            own = f"{scene.name} of set {number}"
+            first = firsts.setdefault(digest.digest(), own)
+            if first is not own:
+                copies.append(f"{own} is {first}")
+    if copies:
+        msg = (
+            f"scenes: expected images that differ, as every tenth is held out, found {len(copies)} "
+            f"copies: {copies[0]} (snowsim scenes draws others with another --seed)"
+        )
+        raise ValueError(msg)
+
+
 def _spacing(scenes, name, given, usual):
     """Spacing of scenes: the given one, else that in their notes, else the usual, with a warning.
 
-    ValueError if two spacings differ.
+    A warning, too, if some scenes do not tell theirs. ValueError if two spacings differ.
     """
     what, unit = SPACINGS[name]
     found = given
+    n_silent = 0
     for scene in scenes:
         own = scene.notes.get(name)
         if own is None:
+            n_silent += 1
             continue
         found = found or own
         if abs(own / found - 1) > SAME:
@@ -153,6 +176,12 @@ def _spacing(scenes, name, given, usual):
             raise ValueError(msg)
     if found is None:
         msg = f"scenes do not state the spacing of their {what}: {usual:.4g} {unit} assumed"
+        warnings.warn(msg, stacklevel=3)
+    elif n_silent and given is None:
+        msg = (
+            f"{n_silent} of {len(scenes)} scenes do not state the spacing of their {what}: "
+            f"{found:.4g} {unit}, that of the others, assumed"
+        )
         warnings.warn(msg, stacklevel=3)
     return found or usual
 

@@ -6,6 +6,11 @@ import numpy as np
 
 from snowsim.constants import STATISTICS_CONTENT
 
+# Range bins [s] and distances of range lines [m] that a radar over snow may have. They refuse
+# nanoseconds, and centimetres or degrees in place of metres.
+BIN_S_LIMITS = (1e-12, 1e-6)
+LINE_SPACING_M_LIMITS = (1e-2, 1e4)
+
 
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
     """Raise ValueError, with the first bad value, unless all are finite and within limits.
@@ -31,6 +36,14 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=
         found = values[place]
         got = f"{found:g}" if values.dtype.kind in "fiu" else repr(np.asarray(found).tolist())
         msg = f"{name} must be {rule}, got {got}{at}"
+        raise ValueError(msg)
+
+
+def check_unmasked(name, values):
+    """Raise ValueError if values are masked: most functions of numpy take what the mask hides."""
+    if np.ma.is_masked(values):
+        n_masked = np.ma.count_masked(values)
+        msg = f"{name} must not be masked, got {n_masked} masked values: NaN marks absent ones"
         raise ValueError(msg)
 
 

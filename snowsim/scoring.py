@@ -12,7 +12,7 @@ import pandas as pd
 from snowsim.echogram import check_choice, layer_mask
 from snowsim.io.files import listed, refusal
 from snowsim.io.predictions import pair_files, read_labels, read_map, read_picks, refuse_image
-from snowsim.limits import check_count, check_values
+from snowsim.limits import BIN_S_LIMITS, check_count, check_values
 from snowsim.metrics.edges import (
     CURVATURE,
     METRICS,
@@ -186,7 +186,10 @@ def _check_settings(thresholds, numbers):
     for name, value in numbers.items():
         if name in LEAST_WHOLE_NUMBER:
             check_count(name, value, LEAST_WHOLE_NUMBER[name])
-        elif value is not None or name != "bin_s":
+        elif name == "bin_s":
+            if value is not None:
+                check_values("bin_s [s]", value, *BIN_S_LIMITS, number=True)
+        else:
             check_values(name, value, 0, above=name in POSITIVE_OPTIONS, number=True)
 
 

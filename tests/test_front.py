@@ -99,7 +99,7 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
         ),
         (
             lambda: snowsim.simulate(
-                snowsim.Snowpack(np.array([[0, -30.0], [1, 1]]), [300, 400]),
+                snowsim.Snowpack(np.array([[30, -30.0], [31, 1]]), [300, 400]),
                 snowsim.Radar.preset("snow-2-8", height_m=20.0),
                 rng=1,
             ),
@@ -121,6 +121,26 @@ def test_scenes_are_written_as_image_pairs_and_written_over(tmp_path, drawn):
             "depth_m must increase: its steps must be finite, above 0, got -1",
         ),
         (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
+        (
+            lambda: snowsim.Snowpack([0, 1, 2], [300, 320]),
+            r"depth_m and density_kg_m3 must be of the same layers .*, got \(3, 1\) and \(2, 1\)",
+        ),
+        (
+            lambda: snowsim.Snowpack([0, 20, 45], [300, 320, 340], roughness_m=2),
+            "roughness_m must be finite, at least 0, at most 1, got 2",
+        ),
+        (
+            lambda: snowsim.Snowpack([0, 1], [300, 320], roughness_m=[0.1, 0.1, 0.1]),
+            r"roughness_m must fit \(2,\), of the layers, got \(3,\)",
+        ),
+        (
+            lambda: snowsim.Climate(accumulation_m=0.3, n_years=2.5),
+            "n_years must be a whole number of at least 1, got 2.5",
+        ),
+        (
+            lambda: snowsim.scenes(2, rng=1).write("none", indices=[]),
+            "number of scenes to write must be a whole number of at least 1, got 0",
+        ),
         (
             lambda: snowsim.Snowpack(["top", 1], [300, 300]),
             r"snowpack: depth_m must be numbers, got \['top', 1\]",
@@ -371,3 +391,16 @@ def test_numbers_of_lines_may_be_small_integers_of_numpy():
     assert drawn.sizes["slow_time"] == 200
     image, _ = snowsim.scenes(np.uint8(1), n_range_lines=np.int8(20), rng=1)[0]
     assert image.shape[1] == 20
+
+
+def test_a_snowpack_that_begins_below_the_surface_is_warned_of():
+    with pytest.warns(UserWarning, match="begins 1 m below the mean surface.*is the surface, at 0"):
+        snowsim.Snowpack([1, 2.5], [400, 350])
+
+
+@pytest.mark.parametrize("change", [{"bin_size_s": 0.2886}, {"line_spacing_m": -5.2}])
+def test_statistics_of_impossible_spacing_are_refused(change):
+    dataset = xr.load_dataset(REFERENCE).assign_attrs(change)
+    name, value = next(iter(change.items()))
+    with refusal(f"^statistics: {name} must be finite, .*, got {value}"):
+        snowsim.scenes(1, statistics=dataset, rng=1)

@@ -100,6 +100,21 @@ def test_both_spacings_are_those_beside_the_pairs(tmp_path):
     ]
 
 
+def test_scenes_that_do_not_state_their_spacing_are_counted(tmp_path):
+    scenes = toy_scenes(3)
+    scenes[1].notes["bin_size_s"] = 3e-10
+    with pytest.warns(UserWarning, match=r"2 of 3 scenes do not state .* bins: 3e-10 s, that of"):
+        assert train(tmp_path / "mine.onnx", scenes, bin_s=None)["bin_s"] == 3e-10
+
+
+def test_copies_of_scenes_are_refused_since_one_would_be_held_out(tmp_path):
+    first, again = toy_scenes(11), toy_scenes(11)[3:4]
+    with refusal(f"found 1 copies: {again[0].name} of set 2 is {first[3].name} of set 1"):
+        train_tracker(
+            tmp_path / "mine.onnx", [first, again], n_steps=1, seed=1, bin_s=None, line_spacing_m=4
+        )
+
+
 def test_a_gpu_that_is_not_there_is_refused_before_anything_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr("torch.cuda.is_available", lambda: False)
     with refusal("^device cuda: expected a GPU"):

@@ -372,6 +372,8 @@ def test_layer_files_are_scored_in_the_echogram_s_range_bins(layer_files):
     assert_allclose(table["mean_absolute_error_bins"][0], 0, atol=1e-9)
     with refusal("expected bin_s .--bin-s., the echogram's range bin"):
         score_folders(*folders, picks=True)
+    with refusal(r"bin_s \[s\] must be .*, at most 1e-06, got 0.2886"):  # nanoseconds
+        score_folders(*folders, picks=True, bin_s=0.2886)
     np.save(layer_files / "rows.npy", LAYERS)
     with refusal("expected 64 range lines of an image .* found 64 .* with times"):
         score_folders(files[0], layer_files / "rows.npy", picks=True, bin_s=BIN_S)

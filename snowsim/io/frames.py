@@ -18,7 +18,7 @@ from snowsim.alignment import (
     join,
 )
 from snowsim.constants import BLOCK_LINES
-from snowsim.echogram import check_choice, check_layers
+from snowsim.echogram import check_choice, check_layers, named_frame
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import SUPPLEMENT_FLAGS
 from snowsim.io.files import library_errors, one_line, refusal, report
@@ -107,7 +107,8 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
       with a flagged line);
     - `n_flagged_lines`, and `flags` (text: number of range lines by flag).
 
-    A held-out frame ("test", "validation") whose power is that of another row, as of a copy, fails.
+    A held-out frame ("test", "validation") whose power is that of another row, as of a copy, fails,
+    and so does a copy of a frame of the same role.
     Without `layer_names`, a warning is given where frames have layers of other names at one place.
     """
     table = table[table["role"] != TRACK]
@@ -142,17 +143,15 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
 
 
 def _refuse_copy(row, echogram, powers):
-    """Refuse a row whose power is that of another file, if one of both is held out.
+    """Refuse a row whose power is that of another file of its role, or of one that is held out.
 
     `powers` has the rows before by the digest of their power, and is added to.
     """
     power = np.ascontiguousarray(echogram["Data"].values)
     first = powers.setdefault(hashlib.sha256(power).hexdigest(), row)
-    is_held_out = {row.role, first.role} & set(HELD_OUT)
-    if is_held_out and os.path.realpath(first.echogram) != os.path.realpath(row.echogram):
-        expected = (
-            f"power unlike that of all others, as its role or that of {first.frame} is held out"
-        )
+    refused = row.role == first.role or {row.role, first.role} & set(HELD_OUT)
+    if refused and os.path.realpath(first.echogram) != os.path.realpath(row.echogram):
+        expected = f"power unlike that of {first.frame}, of the same role or one that is held out"
         raise refusal(row.echogram, "Data", expected, f"a copy of {first.echogram}")
 
 
@@ -230,6 +229,7 @@ def read_frame(
     echogram = read_echogram(row.echogram, source=source)
     layers = _layers_from_surface(row.layers, layer_names)
     _check_clock(row.layers, layers, echogram)
+    _compare_segments(row, layers, echogram)
     return join(
         echogram,
         layers,
@@ -239,6 +239,15 @@ def read_frame(
         bin_s=bin_s,
         flattening=flattening,
     )
+
+
+def _compare_segments(row, layers, echogram):
+    """Warn if layers are of another segment than the echogram, by their names."""
+    files = (row.echogram, echogram), (row.layers, layers)
+    told = [named_frame(str(each.attrs.get("granule", path)))[0] for path, each in files]
+    if None not in told and told[0] != told[1]:
+        msg = f"{row.layers}: layers are of segment {told[1]}, the echogram is of {told[0]}"
+        warnings.warn(msg, UserWarning, stacklevel=3)
 
 
 def _layers_from_surface(path, layer_names):

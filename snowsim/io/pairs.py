@@ -32,7 +32,7 @@ from snowsim.io.files import (
     write_bytes,
     written_together,
 )
-from snowsim.limits import check_values
+from snowsim.limits import BIN_S_LIMITS, LINE_SPACING_M_LIMITS, check_values
 from snowsim.progress import with_progress
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; Pillow itself warns above 9e7 pixels
@@ -125,9 +125,10 @@ def write_image(path, image, numbers=None):
 # nearly all.
 MAXIMUM_SHARE_ON = 0.5
 MAXIMUM_THICKNESS_PIXELS = 15  # of a layer in a column, in the median
-# File beside the images with their range bin [s] and line spacing [m], by these names in JSON.
+# File beside the images with their range bin [s] and line spacing [m], by these names in JSON, each
+# with its limits.
 SPACING_FILE = "spacing.json"
-SPACING = ("bin_size_s", "line_spacing_m")
+SPACING = {"bin_size_s": BIN_S_LIMITS, "line_spacing_m": LINE_SPACING_M_LIMITS}
 LABEL_PREFIXES = ("layer_", "layer_binary_")
 
 
@@ -226,7 +227,7 @@ class PairSet(Sequence):
 def read_spacing(folder):
     """Range bin [s] and line spacing [m] of the images in a folder, by name; {} if unknown.
 
-    ValueError for other names and for values that are not positive numbers.
+    ValueError for other names, and for values that are no numbers or outside their limits.
     """
     path = Path(folder) / SPACING_FILE
     if not path.is_file():
@@ -238,7 +239,7 @@ def read_spacing(folder):
     if not is_known or not all(type(value) in (int, float) for value in held.values()):
         raise refusal(path, "spacing", expected, held)
     for name, value in held.items():
-        check_values(f"{path}: {name}", value, 0, above=True)
+        check_values(f"{path}: {name}", value, *SPACING[name])
     return held
 
 
@@ -348,7 +349,7 @@ MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 SAME_SPACING = 1e-6  # relative difference of two spacings that are one
 # Names of scenes, which become names of files. The published loader replaces "data_" anywhere in a
 # name, and "layer_" before a name that begins with "binary_" would look like a mask.
-PLAIN_NAME = "a plain file name without data_ and binary_"
+PLAIN_NAME = "a plain file name (a to z, digits, _ . -) without data_ and binary_"
 SCENE_NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -358,6 +359,18 @@ def check_empty(folder):
     if held:
         wanted = "an empty or a new one, or --force (force=True) to write into it"
         raise refusal(folder, "folder", wanted, f"{len(held)} files: {held[0]} ...")
+
+
+def warn_of_others(folder, n_written):
+    """Warn if a folder holds more scenes than were written to it now."""
+    n_others = len(list(Path(folder).glob("data_*.png"))) - n_written
+    if n_others:
+        warnings.warn(
+            f"{folder}: scenes that were there before stay ({n_others}), and what is trained on "
+            "the folder has them, too; all.lst names those that are written now",
+            UserWarning,
+            stacklevel=3,
+        )
 
 
 def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):

@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
+from snowsim.limits import check_unmasked
+
 DATA_RANGE = 255
 WINDOW_SIGMA = 1.5  # [pixels]
 WINDOW_RADIUS = 5  # [pixels], 3.5 sigma rounded: scikit-image cuts the window off there
@@ -91,3 +93,11 @@ def _check_images(image, reference):
         )
         msg += ", ".join(map(str, kinds))
         raise ValueError(msg)
+    for name, values in {"image": image, "reference": reference}.items():
+        check_unmasked(name, values)
+        if np.max(values) == 1:
+            msg = (
+                f"{name} must be grey levels from 0 to 255, got none above 1: of an image in "
+                "[0, 1] they are (255 * image).astype(np.uint8)"
+            )
+            raise ValueError(msg)

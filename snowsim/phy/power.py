@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from snowsim.compiling import compiled
 from snowsim.echogram import Echoes, Kind, check_layer_bins
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_count, check_unmasked, check_values
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 
 # Tables are accurate within these limits; outside them PHY takes the closed form. Unpicked snow
@@ -138,6 +138,8 @@ def checked_waveforms(echoes, n_range_bins, *, as_printed=False):
     ValueError with name, value and position for values of wrong shape or sign and echoes that
     cross.
     """
+    for name in ("bins", "power", "variance_bins2", "decay_rate"):
+        check_unmasked(f"{name} of layers", getattr(echoes, name))
     bins = np.asarray(echoes.bins, dtype=float)
     check_layer_bins(bins)
     check_count("n_range_bins", n_range_bins)

@@ -198,6 +198,10 @@ def _warn_of_copies(rows):
 
 def _checked_track(layers, name, within_m):
     """`Track` of a segment; ValueError, which names it, if its lines cannot meet others."""
+    if not isinstance(layers, xr.Dataset):
+        kind = type(layers).__name__
+        msg = f"segment {name}: expected layers as an xarray.Dataset, got {kind}"
+        raise ValueError(msg)
     try:
         track = track_of(layers)
     except ValueError as error:

@@ -12,7 +12,7 @@ from snowsim.constants import (
     WATER_DENSITY_KG_M3,
 )
 from snowsim.echogram import check_choice
-from snowsim.limits import check_values
+from snowsim.limits import check_count, check_values
 from snowsim.snowpack.along_track import draw_along_track
 from snowsim.snowpack.firn import (
     density_herron_langway80,
@@ -37,6 +37,8 @@ MOST_LOST_DB = 4.0
 RADAR_LIMITS = {"centre_hz": (1e6,), "bandwidth_hz": (1e6,), "beamwidth_deg": (0, 120)}
 # Limits of density, which refuse numbers in g cm-3.
 LAYER_DENSITIES_KG_M3 = (1.0, ICE_DENSITY_KG_M3)
+MOST_ROUGHNESS_M = 1.0  # refuses centimetres; sastrugi within a footprint are decimetres
+FAR_SURFACE_M = 0.1  # mean depth of the surface from which on it may be another interface
 # Variations along track, as in the reference flight.
 DRIFT_SD = 0.1  # standard deviation of the logarithm of a year's accumulation along track
 DRIFT_LENGTH_M = 3000.0  # correlation length of that accumulation
@@ -253,20 +255,39 @@ class Snowpack:
         for name in ("depth_m", "density_kg_m3"):
             if held[name].ndim == 1:
                 held[name] = held[name][:, None]
-        shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
+        shapes = [held[name].shape for name in ("depth_m", "density_kg_m3")]
+        try:
+            shape = np.broadcast_shapes(*shapes)
+        except ValueError:
+            msg = (
+                "snowpack: depth_m and density_kg_m3 must be of the same layers (and range lines), "
+                f"got {shapes[0]} and {shapes[1]}"
+            )
+            raise ValueError(msg) from None
         limits = {
             "depth_m": (shape, ()),
             "density_kg_m3": (shape, LAYER_DENSITIES_KG_M3),
-            "roughness_m": (shape[:1], (0,)),
+            "roughness_m": (shape[:1], (0, MOST_ROUGHNESS_M)),
             "slope": (shape[:1], (np.finfo(float).tiny, 1)),
             "attenuation_db_m": ((), (0,)),
         }
         for name, (to, within) in limits.items():
-            value = np.broadcast_to(held[name], to)
+            try:
+                value = np.broadcast_to(held[name], to)
+            except ValueError:
+                msg = f"snowpack: {name} must fit {to}, of the layers, got {held[name].shape}"
+                raise ValueError(msg) from None
             check_values(f"snowpack: {name}", value, *within)
             object.__setattr__(self, name, value)
         what = "snowpack: depth_m must increase with layer: its steps"
         check_values(what, np.diff(self.depth_m, axis=0), 0, above=True)
+        surface_m = self.depth_m[0].mean()
+        if abs(surface_m) > FAR_SURFACE_M:
+            msg = (
+                f"snowpack: depth_m begins {surface_m:.3g} m below the mean surface, as a mean "
+                "over range lines: is the surface, at 0, left out? Its first row is the surface"
+            )
+            warnings.warn(msg, UserWarning, stacklevel=3)
         if self.coherent and shape[1] > 1:
             msg = (
                 "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
@@ -327,8 +348,9 @@ class Climate:
     accumulation_m : float
         Mean accumulation [m w.e. / yr], 0.001 to 10.
     variability : float
-        Year-to-year standard deviation of the logarithm of accumulation, at most 2; 0.17 to 0.28 in
-        cores.
+        Standard deviation of the logarithm of accumulation from year to year, at most 2; 0.17 to
+        0.28 in cores. It is the same all along the track; drift of the snow, 0.1, which changes
+        every 3 km, adds to it in squares.
     n_years : int
         Number of annual layers, at most 1000.
     temperature_k : float
@@ -349,6 +371,7 @@ class Climate:
     def __post_init__(self):
         for name, (low, high) in CLIMATE_LIMITS.items():
             check_values(f"climate: {name}", getattr(self, name), low, high, number=True)
+        check_count("climate: n_years", self.n_years)
 
     def draw(self, n_range_lines, line_spacing_m, *, rng, first_year=1.0):
         """`Snowpack` of annual layers below a flat surface.

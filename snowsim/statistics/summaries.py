@@ -13,7 +13,7 @@ import xarray as xr
 from snowsim.alignment import along_track_m, bin_size_s, data_of, layer_bins_of
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import check_echogram, check_layers
-from snowsim.limits import check_content, check_count
+from snowsim.limits import BIN_S_LIMITS, check_content, check_count, check_values
 
 # Least number of blocks that give a change over a lag, or the mean of a slab. With fewer, the
 # standard error of a variance is as large as the variance, and a zone is pooled with the others.
@@ -28,6 +28,7 @@ AIR_MARGIN_BINS = 30
 # part that whole lines share.
 AIR_LAGS = 13
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
+MOST_ZEROS = 0.005  # share of pixels within range lines that may be 0 without a warning
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 SAME_LINE_SPACING = 1.1  # ratio of spacings from which on a warning is given
 OVERLOADED = 6.0  # a line is overloaded if its gain is this many robust deviations off
@@ -74,6 +75,8 @@ def summarise(echogram, layers, where="frame"):
     n_lines, n_bins = power.shape
     empty = (power == 0).all(axis=1)
     power = np.where(empty[:, None], np.nan, power)
+    _warn_of_zeros(power, where)
+    check_values(f"{where}: range bin of twtt [s]", bin_size_s(echogram), *BIN_S_LIMITS)
     layer_bins = layer_bins_of(layers, echogram)
     inside = (layer_bins > -0.5) & (layer_bins < n_bins - 0.5) & ~empty
     n_outside = (np.isfinite(layer_bins) & ~inside).sum()
@@ -107,6 +110,21 @@ def summarise(echogram, layers, where="frame"):
     summary = summary.assign(_averaged(power, layer_bins - surface_row, surface_row, n_groups))
     summary = summary.assign(_air(power, surface_row - AIR_MARGIN_BINS, n_groups))
     return summary.assign_attrs(content=CONTENT)
+
+
+def _warn_of_zeros(power, where):
+    """Warn if power (range_line, range_bin) is 0 within range lines more often than noise is."""
+    held = power != 0
+    inside = np.logical_or.accumulate(held, axis=1)
+    inside &= np.logical_or.accumulate(held[:, ::-1], axis=1)[:, ::-1]
+    share = 1 - held.sum() / max(inside.sum(), 1)
+    if share > MOST_ZEROS:
+        msg = (
+            f"{where}: Data is 0 on {100 * share:.1f} % of the pixels within range lines, as where "
+            "noise was subtracted or values were rounded: number of looks and power over noise of "
+            "these statistics are then wrong"
+        )
+        warnings.warn(msg, stacklevel=3)
 
 
 def _averaged(power, rows, surface_row, n_groups):
@@ -194,8 +212,8 @@ def _products(values):
 def merge(summaries):
     """One summary of the frames in all summaries, merged ones too, sorted by time.
 
-    Layers and rows that a frame lacks are NaN. ValueError if there is no frame, their bin sizes
-    differ, or a summary is one of an earlier version.
+    Layers and rows that a frame lacks are NaN. ValueError if there is no frame, one is there twice,
+    their bin sizes differ, or a summary is one of an earlier version.
     """
     summaries = list(summaries)
     check_count("frames of a flight", len(summaries))
@@ -218,6 +236,7 @@ def merge(summaries):
         place = np.repeat(np.argsort(order), merged[n])
         index[dim] = np.argsort(place, kind="stable")
     merged = merged.isel(index)
+    _refuse_copies(merged)
     bin_s = merged["bin_size_s"].values
     others = np.flatnonzero(np.abs(bin_s - bin_s[0]) > SAME_BIN_SIZE * bin_s[0])
     if others.size:
@@ -265,3 +284,16 @@ def known_mean(values, axis=None):
     n = known.sum(axis=axis)
     total = np.where(known, values, 0).sum(axis=axis)
     return np.where(n > 0, total / np.maximum(n, 1), np.nan)
+
+
+def _refuse_copies(merged):
+    """Raise ValueError if two frames, in order of time, have one time, length and sum of power."""
+    alike = [np.diff(merged[name]) == 0 for name in ("start_ns", "n_lines", "power_sum")]
+    copies = np.flatnonzero(np.all(alike, axis=0) & (merged["power_sum"].values[1:] > 0))
+    if copies.size:
+        time = np.datetime64(int(merged["start_ns"][copies[0]]), "ns")
+        msg = (
+            f"frames of a flight must differ, got {copies.size} that are there twice: one of "
+            f"{time} with the same power"
+        )
+        raise ValueError(msg)

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from snowsim.limits import check_values
+from snowsim.limits import BIN_S_LIMITS, LINE_SPACING_M_LIMITS, check_values
 
 # Numbers that a card must hold, with their limits.
 NUMBERS = {
-    "bin_s": (1e-12, 1e-6),
-    "line_spacing_m": (1e-2, 1e4),
+    "bin_s": BIN_S_LIMITS,
+    "line_spacing_m": LINE_SPACING_M_LIMITS,
     "temperature": (1e-3, 1e3),
     "threshold": (1e-6, 1 - 1e-6),
     "echo_db": (-np.inf, np.inf),

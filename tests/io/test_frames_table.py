@@ -112,14 +112,28 @@ def test_named_layers_have_the_same_row_in_every_frame(rows):
         read_frame(rows[0], layer_names=names[::-1])
 
 
-def test_a_held_out_frame_that_is_a_copy_of_another_is_refused(flight):
+def test_a_copy_of_a_frame_that_is_held_out_or_of_the_same_role_is_refused(flight):
     shutil.copy(flight / "a.nc", flight / "copy.nc")
     table = read_frames(flight / "frames.tsv")
     copied = table.iloc[[0]].assign(frame="four", echogram=str(flight / "copy.nc"), role="test")
     of_statistics = pd.concat([table.iloc[[0]], copied])
     (line,) = failures(lambda: check_frames(of_statistics), 1, 2)
     assert re.match("four: .*copy.nc: Data: expected power unlike .* found a copy of .*a.nc", line)
-    assert len(check_frames(of_statistics.assign(role="statistics"))) == 2
+    assert len(check_frames(of_statistics.assign(role=["statistics", "train"]))) == 2
+    failures(lambda: check_frames(of_statistics.assign(role="statistics")), 1, 2)
+
+
+def test_layers_of_another_segment_are_warned_of(flight, rows):
+    _, layers = read_frame(rows[0])
+    for name in ("layer_20120330_05_001.nc", "layer_20120330_04_001.nc"):
+        write_layers(flight / name, layers[["twtt", "quality", "type"]])
+    shutil.copy(rows[0].echogram, flight / "Data_20120330_04_001.nc")
+    row = rows[0]._replace(echogram=flight / "Data_20120330_04_001.nc")
+    with pytest.warns(UserWarning, match="are of segment 20120330_05, the echogram is of 20120330"):
+        read_frame(row._replace(layers=flight / "layer_20120330_05_001.nc"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read_frame(row._replace(layers=flight / "layer_20120330_04_001.nc"))
 
 
 def test_layers_of_other_names_at_one_place_are_warned_of(flight, rows):

@@ -36,6 +36,14 @@ def test_a_constant_shift_gives_its_own_size(rng):
 
 
 @pytest.mark.parametrize(("shape", "dtype"), [((20, 20), float), ((20, 21), "u1")])
-def test_bad_images_are_refused(shape, dtype):
+def test_images_of_other_types_and_sizes_are_refused(shape, dtype):
     with refusal("must be uint8 .* of one size, at least 11 pixels"):
         similarity(np.zeros(shape, dtype), np.zeros((20, 20), np.uint8))
+
+
+def test_masked_images_and_images_from_0_to_1_are_refused(rng):
+    image = rng.integers(0, 200, (20, 20), dtype=np.uint8)
+    with refusal("^reference must not be masked, got [0-9]+ masked values"):
+        similarity(image, np.ma.masked_less(image, 60))
+    with refusal("^image must be grey levels from 0 to 255, got none above 1"):
+        similarity(image // 100, image)

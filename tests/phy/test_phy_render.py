@@ -52,6 +52,10 @@ def test_gain_has_mean_1_and_the_spread_asked_for(exact):
     ("change", "message"),
     [
         ({"noise_power": np.nan}, "noise_power must be finite, at least 0, got nan"),
+        (
+            {"peak_power": np.ma.masked_less([1.0, 0.1], 0.5)},
+            "power of layers must not be masked, got 1 masked values",
+        ),
         ({"gain": 1}, "parameters: expected peak_power, .* got .*gain"),
         ({"n_looks": None}, "parameters: expected peak_power, .*"),
     ],

@@ -59,6 +59,29 @@ def test_frames_of_other_line_spacings_are_warned_of(flight):
         statistics.merge([one, wide])
 
 
+def test_a_frame_that_is_there_twice_is_refused(flight):
+    one, other, third = (statistics.summarise(*frame) for frame in flight[:3])
+    with refusal("frames of a flight must differ, got 1 that are there twice"):
+        statistics.merge([one, other, third, other])
+
+
+def test_zeros_within_range_lines_are_warned_of_where_they_are_many(flight, rng):
+    echogram, layers = flight[0]
+    place = rng.random(echogram["Data"].shape)
+    with pytest.warns(UserWarning, match="frame: Data is 0 on [12].[0-9] % of .* was subtracted"):
+        statistics.summarise(echogram.assign(Data=echogram["Data"].where(place > 0.02, 0)), layers)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        statistics.summarise(echogram.assign(Data=echogram["Data"].where(place > 1e-3, 0)), layers)
+
+
+def test_travel_times_in_nanoseconds_are_refused(flight):
+    echogram, layers = flight[0]
+    in_ns = echogram.assign_coords(twtt=1e9 * echogram["twtt"])
+    with refusal(r"range bin of twtt \[s\] must be .* at most 1e-06, got"):
+        statistics.summarise(in_ns, layers.assign(twtt=1e9 * layers["twtt"]))
+
+
 def test_a_summary_survives_the_disk(flight, tmp_path):
     summary = statistics.summarise(*with_gaps(flight[1], [(4, 0, 256)]))
     write_dataset(tmp_path / "summary.nc", summary)
