@@ -62,6 +62,19 @@ def test_a_job_gets_its_frames_without_reading_the_table(tmp_path, monkeypatch):
     assert kept(table, 1, 0) is None
 
 
+def test_supplements_beside_echograms_are_inputs_of_their_job(tmp_path):
+    names = [f"{SEGMENT}_001", f"{SEGMENT}_002", f"{OTHER}_001"]
+    for name in names:
+        (tmp_path / f"Data_{name}.mat").touch()
+    beside = tmp_path / f"Data_{names[1]}_supplement.nc"
+    beside.touch()
+    own = {"frames": str(table_of(tmp_path, names))}
+    plan = parsed(tmp_path, targets=["picks"], flight={"frames_per_job": 1}, **{"import": own})
+    jobs = [job for job in plan.dag.jobs if job.rule.name == "track_frames"]
+    assert sorted(len(job.input.others) for job in jobs) == [0, 1]
+    assert str(beside) in {file for job in jobs for file in job.input.others}
+
+
 def test_tracking_has_one_output_and_the_cluster_s_profile_checks_no_contents(tmp_path):
     plan = parsed(tmp_path)
     (rule,) = [rule for rule in plan.rules if rule.name == "track_frames"]

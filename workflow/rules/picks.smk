@@ -10,7 +10,9 @@ rule track_frames:
         echograms=lambda w: [row["echogram"] for row in frames_of_job(w.shard)],
         # Supplements, and the files of Zarr stores.
         others=lambda w: [
-            sources.echogram_files(row["echogram"])[1:] for row in frames_of_job(w.shard)
+            file
+            for row in frames_of_job(w.shard)
+            for file in sources.echogram_files(row["echogram"])[1:]
         ],
         tracker=sources.own_tracker(OWN["tracker"]),
     output:
