@@ -245,7 +245,7 @@ def test_help_has_examples_of_every_command():
 
 
 def test_a_tracker_is_trained_on_scenes_of_several_files_from_the_shipped_one(place, capsys):
-    write_scenes("more.nc", toy_scenes(3))
+    write_scenes("more.nc", toy_scenes(5)[2:])
     main(
         ["train", "scenes.nc", "more.nc", "-o", "mine.onnx", "--from", "universal", "--steps", "2"]
     )

@@ -50,8 +50,9 @@ def test_pairs_come_back_exactly_but_for_whole_bins(tmp_path, exported, scenes):
         ('{"bin_s": 2e-10}', "spacing: expected {bin_size_s, line_spacing_m}, .*found {'bin_s'"),
         ('{"bin_size_s": "2e-10"}', "spacing: expected .*positive numbers"),
         ("[2e-10, 5.0]", "spacing: expected .*positive numbers"),
-        ('{"line_spacing_m": -5.0}', "line_spacing_m must be finite, above 0"),
-        ('{"line_spacing_m": NaN}', "line_spacing_m must be finite, above 0"),
+        ('{"line_spacing_m": -5.0}', "line_spacing_m must be finite, at least 0.01"),
+        ('{"line_spacing_m": NaN}', "line_spacing_m must be finite, at least 0.01"),
+        ('{"bin_size_s": 0.2886}', "bin_size_s must be finite, at least 1e-12, at most 1e-06"),
         ('{"line_spacing_m": true}', "spacing: expected .*positive numbers"),
     ],
 )
