@@ -42,10 +42,10 @@ SINCE = {
     "headline": CHECKS,
     "flights": CHECKS,
     "deep_layers": CHECKS,
-    "accumulation": "warnings and checks of input are new since, and the flag of a year whose lower "
-    "end is unsure, which change no number of it",
-    "transfer": "memory of the network is reserved in another way since, and settings and input are "
-    "checked more, which changes no pick",
+    "accumulation": "warnings and checks of input are new since, and the flag of a year whose "
+    "lower end is unsure, which change no number of it",
+    "transfer": "memory of the network is reserved in another way since, and settings and input "
+    "are checked more, which changes no pick",
 }
 
 
