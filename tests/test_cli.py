@@ -109,6 +109,7 @@ def place(tmp_path, rng, monkeypatch):
         ),
         ("simulate a.nc --set height_m nan", 1, "radar: height_m must be finite, above 0"),
         ("simulate a.nc --set bandwidth_hz 1e9", 1, "bin_s must be longer, such as 7.2e-10 s"),
+        ("simulate a.nc --set bandwidth_hz 4GHz", 2, "--set bandwidth_hz: expected a number, such"),
     ],
 )
 def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
@@ -216,6 +217,9 @@ def test_own_frames_and_scenes_are_exported_with_a_line_of_what_reading_warns_of
     assert line.startswith(f"warning: {formats.LAYERS_FILE}: layer 0 lies 30 range bins")
     (scene,) = PairSet("pairs")
     assert np.isfinite(scene.layer_bins).all()
+    export_pairs("others", [dataclasses.replace(scene, name="other")])
+    main(["export", "pairs", "others", "--force"])
+    assert "others: scenes that were there before stay (1)" in capsys.readouterr().err
     # What was exported is truth: of itself, without an error.
     main(["score", "--picks", "pairs", "pairs", "--format", "csv"])
     assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
