@@ -82,9 +82,11 @@ def plot_task(ax, budgets):
         ax.plot(*ends, color=style["color"], linewidth=0.4)
         ax.text(edge * EDGE, height, f" {name}", color=style["color"], fontsize=7, va="center")
     ax.set(xscale="log", xlim=(means["cost"].min() / EDGE, edge * NAMES_WIDTH))
-    # Decades where points are, not where names are.
-    decades = np.arange(*np.ceil(np.log10([means["cost"].min(), edge])))
-    ax.set_xticks(10.0**decades)
+    # Ticks where points are, not where names are.
+    low, high = means["cost"].min(), edge
+    ticks = np.outer(10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high)), (1, 2, 5)).ravel()
+    ticks = ticks[(ticks >= low) & (ticks <= high)]
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
     ax.set_xlabel("core-seconds to make scenes and train a tracker", loc="left")
     ax.set_ylabel("ODS on validation scenes")
