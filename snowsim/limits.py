@@ -7,7 +7,7 @@ import numpy as np
 from snowsim.constants import STATISTICS_CONTENT
 
 # Range bins [s] and distances of range lines [m] that a radar over snow may have. They refuse
-# nanoseconds, and centimetres or degrees in place of metres.
+# nanoseconds in place of seconds, and kilometres or degrees in place of metres.
 BIN_S_LIMITS = (1e-12, 1e-6)
 LINE_SPACING_M_LIMITS = (1e-2, 1e4)
 

@@ -349,7 +349,7 @@ MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 SAME_SPACING = 1e-6  # relative difference of two spacings that are one
 # Names of scenes, which become names of files. The published loader replaces "data_" anywhere in a
 # name, and "layer_" before a name that begins with "binary_" would look like a mask.
-PLAIN_NAME = "a plain file name (a to z, digits, _ . -) without data_ and binary_"
+PLAIN_NAME = "a plain file name (letters a to z, digits, _ . -) without data_ and binary_"
 SCENE_NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 

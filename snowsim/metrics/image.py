@@ -26,7 +26,8 @@ def similarity(image: NDArray[np.uint8], reference: NDArray[np.uint8]) -> dict[s
     Raises
     ------
     ValueError
-        If an image is not uint8 or smaller than 11 x 11, or if sizes differ.
+        If an image is not uint8 or smaller than 11 x 11, is masked or holds 0 and 1 alone, or if
+        sizes differ.
 
     Notes
     -----
@@ -81,7 +82,10 @@ def ssim_map(image, reference):
 
 
 def _check_images(image, reference):
-    """ValueError unless two images are uint8, of one size and not smaller than the window."""
+    """ValueError unless two images are grey levels, of one size and not smaller than the window.
+
+    Grey levels are uint8 and not masked, and reach above 1 unless all are 0.
+    """
     smallest = 2 * WINDOW_RADIUS + 1
     kinds = {np.asarray(image).dtype, np.asarray(reference).dtype}
     shapes = [np.shape(image), np.shape(reference)]

@@ -257,6 +257,19 @@ def merge(summaries):
     return merged
 
 
+def _refuse_copies(merged):
+    """Raise ValueError if two frames, in order of time, have one time, length and sum of power."""
+    alike = [np.diff(merged[name]) == 0 for name in ("start_ns", "n_lines", "power_sum")]
+    copies = np.flatnonzero(np.all(alike, axis=0) & (merged["power_sum"].values[1:] > 0))
+    if copies.size:
+        time = np.datetime64(int(merged["start_ns"][copies[0]]), "ns")
+        msg = (
+            f"frames of a flight must differ, got {copies.size} that are there twice: one of "
+            f"{time} with the same power"
+        )
+        raise ValueError(msg)
+
+
 def numbered(of_frame):
     """Numbers of things within their frame, from 0; `of_frame` (frame,) counts them."""
     return np.concatenate(list(map(np.arange, of_frame)))
@@ -284,16 +297,3 @@ def known_mean(values, axis=None):
     n = known.sum(axis=axis)
     total = np.where(known, values, 0).sum(axis=axis)
     return np.where(n > 0, total / np.maximum(n, 1), np.nan)
-
-
-def _refuse_copies(merged):
-    """Raise ValueError if two frames, in order of time, have one time, length and sum of power."""
-    alike = [np.diff(merged[name]) == 0 for name in ("start_ns", "n_lines", "power_sum")]
-    copies = np.flatnonzero(np.all(alike, axis=0) & (merged["power_sum"].values[1:] > 0))
-    if copies.size:
-        time = np.datetime64(int(merged["start_ns"][copies[0]]), "ns")
-        msg = (
-            f"frames of a flight must differ, got {copies.size} that are there twice: one of "
-            f"{time} with the same power"
-        )
-        raise ValueError(msg)
